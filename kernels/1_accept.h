@@ -81,6 +81,20 @@ TALUS_HD Point transform(const WindowPose& pose, const Point& p)
       m[8] * p.x_m + m[9] * p.y_m + m[10] * p.z_m + m[11]};
 }
 
+/** The cell of a point of the window frame; (0, 0) where it is outside. */
+struct CellOfPoint
+{
+  bool inside;
+  int ix, iy;
+};
+TALUS_HD CellOfPoint cell_of(const Point& p, const Config& k)
+{
+  const float n = static_cast<float>(k.cells);
+  const float x = p.x_m * k.inverse_resolution, y = p.y_m * k.inverse_resolution;
+  const bool inside = (x >= 0.0f) & (x < n) & (y >= 0.0f) & (y < n);
+  return {inside, floor_to_int(select(inside, x, 0.0f)), floor_to_int(select(inside, y, 0.0f))};
+}
+
 /** The pose at a point's time (deskew): linear between the poses of the path, which lie so close
  * together that this is exact to rounding. */
 TALUS_HD WindowPose pose_at(const FrameContext& f, float time_s)
@@ -105,9 +119,8 @@ TALUS_HD WindowPose pose_of_point(const FrameContext& f, const float* time_s, in
   return moves ? pose_at(f, time_s[point_i]) : f.poses[0];
 }
 
-/** Stage 1 (III-A.2): variance of a point's height, sensor noise plus pose change,
- * (c_beam + a_beam l)^2 + (lambda_t l sin(theta/2))^2 with l the range of the point in the sensor
- * frame [m^2]. */
+/** Stage 1 (III-A.2): variance of a point's height [m^2], sensor noise plus pose change: (c_beam +
+ * a_beam l)^2 + (lambda_t l sin(theta/2))^2 with l the range in the sensor frame. */
 TALUS_HD float point_variance(
     float x_m, float y_m, float z_m, const Config& k, const FrameContext& f)
 {

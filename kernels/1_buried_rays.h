@@ -1,7 +1,5 @@
 #pragma once
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
-#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -18,13 +16,11 @@ struct FindGroundHits
   /** Storage index of the cell at an index of the table, or -1 where the map has no ground. */
   TALUS_HD int cell_at(const BinDirection& d, int ring) const
   {
-    const int n = m.k.cells;
     const float scale = m.k.inverse_resolution, chebyshev_m = distance_m(ring);
     const int ix = floor_to_int((m.frame->sensor_x_m + d.x * chebyshev_m) * scale);
     const int iy = floor_to_int((m.frame->sensor_y_m + d.y * chebyshev_m) * scale);
-    const bool inside =
-        (ring > 0) & (ring < m.frame->rings - 1) & (ix >= 0) & (iy >= 0) & (ix < n) & (iy < n);
-    const bool known = inside & !entered_window(*m.frame, n, ix, iy);
+    const bool inside = (ring > 0) & (ring < m.frame->rings - 1) & m.has(ix, iy);
+    const bool known = inside & !entered_window(*m.frame, m.k.cells, ix, iy);
     return select(known, m.at(ix, iy), -1);
   }
   TALUS_HD float limit(int ring, std::int32_t hit, int state, float ground_m) const

@@ -2,15 +2,12 @@
 #include "kernels/1_points.h"
 #include "kernels/atomics.h"
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
-#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
 // Poses drift and are corrected, and robots change floors. So the map keeps its heights above a
-// datum of its own. Each frame measures how far its ground hits lie above the mapped ground. Where
-// most agree, the datum follows the poses, and all cells move with it. On another floor the map
-// starts anew with the next frame.
+// datum. Each frame measures how far its ground hits lie above the mapped ground. Where most agree,
+// the datum and all cells follow the poses. On another floor the next frame starts the map anew.
 
 /** Histogram of the heights of ground hits above the mapped ground. */
 struct OffsetHistogram
@@ -59,8 +56,7 @@ struct CountOffset
   }
 };
 
-/** Evaluates the histogram, clears it, and sets the datum of the frame. A whole group calls this
- * once in a frame. */
+/** Evaluates and clears the histogram, and sets the datum; by a whole group, once in a frame. */
 struct FollowPoses
 {
   const Map& m;
@@ -132,6 +128,28 @@ struct FollowPoses
     *m.datum = now;
     m.counts->leaves_floor = static_cast<std::uint32_t>(now.starts_anew);
   }
+};
+
+/** Clears the highest hit of a cell, before all rules of a frame. */
+struct ForgetHits
+{
+  const Map& m;
+
+  TALUS_HD void operator()(int, int, int i) const { m.top_hit_m[i] = -kInfinity; }
+};
+
+/** Stage 2: the window follows the robot by whole cells. Storage is a torus, so that cells that
+ * stay do not move. A cell that enters starts empty, and on another floor all cells do. */
+struct RollCell
+{
+  const Map& m;
+
+  TALUS_HD Stretch stays(int iy) const
+  {
+    return staying(*m.frame, m.k.cells, iy, m.datum->starts_anew != 0);
+  }
+  TALUS_HD bool applies(int ix, int iy, int) const { return !stays(iy).has(ix); }
+  TALUS_HD void operator()(int, int, int i) const { m.cell.store(i, Cell{}); }
 };
 
 }  // namespace talus::kernels

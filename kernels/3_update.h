@@ -1,8 +1,6 @@
 #pragma once
 #include "kernels/1_points.h"
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
-#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -17,8 +15,7 @@ struct HeightPoint
   std::int32_t overhangs = 0;  //!< its neighbour rays passed below it and ended behind it
 };
 
-/** Eq. 5 as an innovation gate: the distance of a point to a cell is compared with the deviation of
- * both together. */
+/** Eq. 5 as an innovation gate: the distance to a cell against the deviation of cell and point. */
 TALUS_HD bool inside_gate(float a_m, float var_a, float b_m, float var_b, const Config& k)
 {
   const float d = a_m - b_m;
@@ -41,8 +38,7 @@ struct UpTo
   float limit_m = kInfinity;
 };
 
-/** The lowest and the highest point of a set; of equal heights the point with the smaller variance.
- */
+/** The lowest and the highest point; of equal heights that with the smaller variance. */
 struct Extremes
 {
   std::int64_t low = order_key(kInfinity, 0), high = order_key(-kInfinity, 0);
@@ -77,8 +73,7 @@ struct Estimate
   float variance_m2;
 };
 
-/** What a surface of a cell is fused from: `base`, and the points inside its gate that do not lie
- * above a limit. */
+/** What a surface of a cell is fused from: `base`, and points inside its gate up to a limit. */
 struct FusionPlan
 {
   float base_m, base_var_m2;
@@ -87,8 +82,7 @@ struct FusionPlan
   std::int32_t wanted = 0;  //!< whether the elevation changes at all
 };
 
-/** Units of information (2^-8 / m^2) and of distance (2^-20 m). They are integers, so that sums are
- * exact. */
+/** Units of information (2^-8 / m^2) and distance (2^-20 m): integers, so that sums are exact. */
 constexpr float kInformation = 256.0f, kDistance = 1048576.0f, kMaxUnits = 2147483392.0f;
 
 /** At most `kMaxUnits` of them, also for NaN: what no cell takes is reckoned all the same. */
@@ -272,8 +266,7 @@ TALUS_HD UpTo overhangs_up_to(const Cell& c, const Config& k)
   return {select(c.is(kHitHighUp), kInfinity, c.ground_m + k.clearance_m)};
 }
 
-/** An overhang gets its stay, and reaches down to its lowest hit. If the robot drove through the
- * top, nothing overhangs. */
+/** An overhang gets its stay, and its lowest hit; not if the robot drove through the top. */
 TALUS_HD void put_overhang(Cell& c, const Overhang& overhang, const Config& k)
 {
   const bool any =
@@ -448,8 +441,7 @@ struct SortPoint
     return passed_below(point_i, 0) && (passed_below(point_i, -1) & passed_below(point_i, 1) &
                                         passed_below(point_i, -2) & passed_below(point_i, 2));
   }
-  /** A distance that range noise and round sides do not reach: hits farther behind are on another
-   * object. */
+  /** Beyond range noise and round sides: hits farther behind are on another object. */
   TALUS_HD int rings_behind() const
   {
     return max_of(

@@ -1,11 +1,8 @@
 #pragma once
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
-#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
-
 /** Sets the class of a cell from its state and from the highest that ground can be there, and keeps
  * its reach. */
 struct ClassifyCell

@@ -1,8 +1,6 @@
 #pragma once
 #include "kernels/4_underfoot.h"
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
-#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -23,14 +21,10 @@ namespace talus::kernels
 template <class Pool>
 TALUS_HD typename Pool::Item pool_pair(const Pool& f, const Map& m, int px, int py)
 {
-  const int n = m.k.cells;
   const int x0 = m.pairs.first_cell(px, m.frame->odd_x);
   const int y0 = m.pairs.first_cell(py, m.frame->odd_y);
   const auto cell = [&](int x, int y)
-  {
-    const bool inside = (x >= 0) & (y >= 0) & (x < n) & (y < n);
-    return inside ? f.item(m.at(x, y)) : typename Pool::Item{};
-  };
+  { return m.has(x, y) ? f.item(m.at(x, y)) : typename Pool::Item{}; };
   return f.pool(
       f.pool(cell(x0, y0), cell(x0, y0 + 1)), f.pool(cell(x0 + 1, y0), cell(x0 + 1, y0 + 1)));
 }

@@ -1,8 +1,6 @@
 #pragma once
 #include "kernels/4_underfoot.h"
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
-#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -26,9 +24,8 @@ struct StartReach
   }
 };
 
-/** In its first frame a scanner looks over the ground on which the robot stands. Cells that were
- * not measured there get the plane of the base, until they are measured or rays pass below it
- * (stage 6). */
+/** In its first frame a scanner looks over the ground on which the robot stands. Unmeasured cells
+ * get the plane of the base, until they are measured or rays pass below it (stage 6). */
 struct PresumeStart
 {
   const Map& m;
@@ -105,8 +102,7 @@ struct PresumeStart
   }
   TALUS_HD Ground ground_at(int ix, int iy) const
   {
-    const int n = m.k.cells;
-    if ((ix < 0) | (iy < 0) | (ix >= n) | (iy >= n)) return kLevel;  // the sensor is outside
+    if (!m.has(ix, iy)) return kLevel;  // the sensor is outside
     const int at = m.lines.at(ix, iy);
     if (m.unobstructed[at] == 0) return kNothing;
     const auto [x_m, y_m] = from_sensor(ix, iy);
@@ -121,11 +117,12 @@ struct PresumeStart
     const float radius_m = m.k.start_radius_m * away_m / sqrtf(x_m * x_m + y_m * y_m);
     if (!(max_of(falls, untilted_m(x_m, y_m) / away_m - slope) * radius_m > above_m))
       return kNothing;
-    if (!(falls * static_cast<float>(n) * m.k.resolution_m > above_m + below_m)) return kLevel;
+    if (!(falls * static_cast<float>(m.k.cells) * m.k.resolution_m > above_m + below_m))
+      return kLevel;
     const float share = (above_m + below_m) / (falls * away_m);
     const int x = cell_at(m.frame->sensor_x_m + share * x_m);
     const int y = cell_at(m.frame->sensor_y_m + share * y_m);
-    if ((x < 0) | (y < 0) | (x >= n) | (y >= n)) return kLevel;
+    if (!m.has(x, y)) return kLevel;
     const bool deep = m.lowest_ray_m[m.lines.at(x, y)] < plane_at(x, y) - kStartDropSeen * below_m;
     return deep ? kDrop : kLevel;
   }

@@ -1,8 +1,6 @@
 #pragma once
 #include "kernels/atomics.h"
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
-#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -70,8 +68,7 @@ struct StandOnCell
     }
     Cell c = m.cell.load(i);
     const float above_m = kUnderFoot_steps * m.k.step_threshold_m;
-    // Over unmeasured ground without an object the robot drove through nothing: the guess was
-    // wrong.
+    // Over unmeasured ground without an object it drove through nothing: the guess was wrong.
     const float top_m = is_known(c.elevation_m) ? max_of(c.elevation_m, c.ground_m) : floor_m;
     const float stood_m = max_of(min_of(top_m - floor_m, m.k.clearance_m), 0.0f);
     Atomics::max(&m.datum->drove_through, floor_to_int(stood_m / kDrivenUnit_m));

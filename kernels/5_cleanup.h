@@ -2,8 +2,6 @@
 #include "kernels/group.h"
 #include "kernels/map.h"
 #include "kernels/overhang.h"
-#include "kernels/rule_constants.h"
-#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
@@ -16,8 +14,7 @@ namespace talus::kernels
 /** The result of the rays of this frame for one cell. */
 struct SeenThrough
 {
-  /** The slope of the highest of the lowest rays of the cell's directions, as an ordered integer.
-   */
+  /** Of the lowest rays of its directions the highest slope, as an ordered integer. */
   std::int32_t highest = -kNoRay;
   std::int32_t unobstructed = 1;  //!< nothing was hit between the sensor and the cell
 };
@@ -262,8 +259,7 @@ struct CleanUpCell
     const auto over = [&](int d)
     {
       const int x = ix + (ahead ? 0 : d), y = iy + (ahead ? d : 0);
-      const bool inside = (x >= 0) & (y >= 0) & (x < m.k.cells) & (y < m.k.cells);
-      return inside && passes_over(limit(m.lines.at(x, y)), ground_m);
+      return m.has(x, y) && passes_over(limit(m.lines.at(x, y)), ground_m);
     };
     return !on_both_sides(over);
   }

@@ -1,8 +1,5 @@
 #pragma once
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
-#include "kernels/rule_switches.h"
-#include "kernels/surface.h"
 
 namespace talus::kernels
 {
@@ -23,9 +20,8 @@ struct SideEstimate
   TALUS_HD bool near() const { return cells > 0; }
 };
 
-/** Sparse kernel of eq. 8, k(d) = (2 + cos(2 pi d)) (1 - d) / 3 + sin(2 pi d) / (2 pi) with d the
- * distance over the kernel's support: e^5 times an even polynomial in e = 1 - d, error below
- * 7e-4. */
+/** Sparse kernel of eq. 8, k(d) = (2 + cos(2 pi d)) (1 - d) / 3 + sin(2 pi d) / (2 pi), d the
+ * distance over its support: e^5 times an even polynomial in e = 1 - d, error below 7e-4. */
 TALUS_HD float kernel_weight(float distance_m, const Config& k)
 {
   const float e = max_of(1.0f - distance_m * k.inverse_fill_kernel, 0.0f), s = e * e;
@@ -90,9 +86,7 @@ TALUS_HD bool is_steep(float rise_m, float length_m, const Config& k)
   return rise_m > k.max_slope * length_m + kWallNoise_m;
 }
 /** Bits of the height of a sample: it is a face, whose ground rises within the cell, or the robot
- * stood there, which gives a height, but no edge. Compilers do not vectorise a test of the last
- * bit.
- */
+ * stood there: a height, but no edge. Compilers do not vectorise a test of the last bit. */
 constexpr std::uint32_t kFaceBit = 2, kStoodBit = 4;
 TALUS_HD bool is_stood(float sample_m) { return (bits_of(sample_m) & kStoodBit) != 0; }
 TALUS_HD bool is_face(float sample_m) { return (bits_of(sample_m) & kFaceBit) != 0; }
@@ -208,8 +202,7 @@ struct TakeSample
   }
 };
 
-/** Stage 6 on cell (ix, iy), stored at i. Returns its state. A second call changes nothing.
- */
+/** Stage 6 on a cell. Returns its state. A second call changes nothing. */
 struct FillCell
 {
   const Map& m;

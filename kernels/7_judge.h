@@ -2,15 +2,11 @@
 #include "kernels/7_sparsity.h"
 #include "kernels/7_traversability.h"
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
-#include "kernels/rule_switches.h"
-#include "kernels/surface.h"
 
 #include <initializer_list>
 
 namespace talus::kernels
 {
-
 /** The Passability of a cell, at `at`, and of its neighbours. Rows are `pitch` apart. */
 struct PassabilityAround
 {
@@ -79,8 +75,7 @@ struct ComputeFeatures
     const Judgement most{m.out.traversability[window_i], m.passability[window_i]};
     put(ix, iy, settle(ix, iy, most, true));
   }
-  /** Does all of that and returns it to executors that use it at once. It stores the parts of cells
-   * that are the caller's `own`. */
+  /** Does all of that and returns it. Feature layers are stored for the caller's `own` cells. */
   TALUS_HD Judgement judge(int ix, int iy, const Moments& sums, bool own) const
   {
     return settle(ix, iy, judge_most<false>(ix, iy, sums, own), own);

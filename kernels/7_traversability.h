@@ -1,8 +1,5 @@
 #pragma once
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
-#include "kernels/rule_switches.h"
-#include "kernels/surface.h"
 
 #include <initializer_list>
 
@@ -13,8 +10,7 @@ namespace talus::kernels
 // then along columns. Signs are as printed in eq. 11 and 12: a floor cell beside a wall lies below
 // its neighbours and must not become rough for it.
 
-/** Sums over the neighbours of one cell in its own row; x counts from the cell, heights are in
- * quantised steps. */
+/** Sums over a cell's neighbours in its row; x counts from the cell, heights are quantised. */
 struct alignas(16) RowSums
 {
   std::int32_t n = 0, x = 0, xx = 0, ground = 0, x_ground = 0, height = 0, lowest = 0x7fffffff;
@@ -106,8 +102,7 @@ struct Features
   float slope, step, roughness;
 };
 
-/** Eq. 10 to 12, each in [0, 1]. `height` is the cell's elevation, or its ground without an object.
- */
+/** Eq. 10 to 12, each in [0, 1]. `height`: elevation, or the ground without an object. */
 template <bool kWhole>
 TALUS_HD Features features_of(const Moments& m, std::int32_t height, const Config& k)
 {
@@ -137,8 +132,7 @@ struct Judgement
   std::int32_t passability;
 };
 
-/** Eq. 13: the weighted sum; zero (impassable) where step or roughness is zero. If only the slope
- * is too steep, LowStep decides. */
+/** Eq. 13: weighted sum, zero where step or roughness is. If only the slope is, LowStep decides. */
 TALUS_HD Judgement fuse_features(const Features& f, const Config& k)
 {
   const bool impassable = (f.step == 0.0f) | (f.roughness == 0.0f);

@@ -3,7 +3,6 @@
 #include "kernels/3_update.h"
 #include "kernels/4_classify.h"
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
 
 namespace talus::kernels
 {
@@ -45,8 +44,7 @@ TALUS_HD bool has_object(float ground_m, float elevation_m, const Config& k)
   return elevation_m > bare_up_to_m(ground_m, k);  // false if not measured
 }
 
-/** Of a point `height_m` above the datum; kNoSurface also where the ground is not known.
- * `on_object`: see PointInCell. */
+/** Of a point above the datum; kNoSurface also without ground. `on_object`: see PointInCell. */
 TALUS_HD std::int32_t surface_at(const Cell& c, bool on_object, float height_m, const Config& k)
 {
   if (height_m <= bare_up_to_m(c.ground_m, k) || is_driven_through(c, height_m))
@@ -84,10 +82,8 @@ struct LabelPoint
     const Verdict verdict = accept(sensed, rise_above_sensor(pose, sensed), m.k);
     if (verdict.code != kAccepted || is_body(sensed, *m.frame, *m.body)) return kLabelNotTaken;
     const Point p = transform(pose, sensed);
-    const float n = static_cast<float>(m.k.cells);
-    const float cx = p.x_m * m.k.inverse_resolution, cy = p.y_m * m.k.inverse_resolution;
-    if (!((cx >= 0.0f) & (cx < n) & (cy >= 0.0f) & (cy < n))) return kLabelOutside;
-    const int ix = floor_to_int(cx), iy = floor_to_int(cy);
+    const auto [inside, ix, iy] = cell_of(p, m.k);
+    if (!inside) return kLabelOutside;
     storage_i = m.at(ix, iy);
     const bool from_below =
         p.z_m > m.frame->sensor_z_map_m && !(m.moved && m.moved[storage_i] != 0);

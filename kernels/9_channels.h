@@ -6,9 +6,8 @@
 
 namespace talus::kernels
 {
-// Channels: values that users bring to each point. They are fused after stage 6 of a frame, and
-// decide nothing in the map but where a class has a cost: see TakeClassScores. A point on the
-// ground counts for the ground of its cell, one on an object for the object there, see
+// Channels: values that users bring to each point, fused after stage 6. They decide nothing but
+// where a class has a cost, see TakeClassScores. A point counts for the ground or the object, see
 // surface_at().
 
 /** Clears the channels of a cell that entered the window, as RollCell clears the cell. */

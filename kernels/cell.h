@@ -17,8 +17,7 @@ enum State : std::uint8_t
   kPresumed = 4  //!< ground on which the robot stood or started, see 4_underfoot.h
 };
 
-/** Bits of Cell::flags: evidence of rays, hits and the robot. Compilers do not vectorise a test of
- * the lowest one. */
+/** Bits of Cell::flags: evidence. Compilers do not vectorise a test of the lowest one. */
 enum CellFlag : std::uint8_t
 {
   kWasPassable = 1,  //!< in the last frame
@@ -31,10 +30,9 @@ enum CellFlag : std::uint8_t
   kRobotWasThere = 128
 };
 
-// The fields of a cell, one line each: FIELD(type, name, value where nothing is known). This list
-// is all that the store, the buffers, saved maps, records and tiles know of a cell. Heights count
-// from the map's datum; what is measured is fused into ground and elevation, the rest is evidence,
-// small numbers of eight bits.
+// The fields of a cell, one line each: FIELD(type, name, value where nothing is known). Store,
+// buffers, saved maps, records and tiles follow this list. Heights count from the map's datum; what
+// is measured is fused into ground and elevation, the rest is evidence in eight bits.
 
 #define TALUS_CELL_SURFACES(FIELD)                                                     \
   FIELD(float, ground_m, kernels::kNan) /* the lowest surface; NaN only in kUnknown */ \
@@ -101,8 +99,7 @@ struct CellStore
   }
 };
 
-/** Cell::recent_hits is a score: frames with a hit add to it, frames of passing rays take from it.
- */
+/** Cell::recent_hits is a score: frames with a hit add to it, frames of passing rays subtract. */
 TALUS_HD void add_hit(Cell& c) { c.recent_hits = min_of(c.recent_hits + kHitAdds, kMaxRecentHits); }
 /** Whether a lone hit counts: there were two hits within a few frames, not long ago. */
 TALUS_HD bool lone_hit_counts(int recent_hits) { return recent_hits >= kLoneHitCounts; }
@@ -124,13 +121,11 @@ struct Datum
 {
   float offset_m = 0;  //!< height in the map frame less height as it is kept
   std::int32_t starts_anew = 0;  //!< all cells start empty in the next frame
-  /** Height above the ground of what the robot drove through in the last frame, see
-   * Cell::driven_height. */
+  /** What the robot drove through in the last frame, see Cell::driven_height. */
   std::int32_t drove_through = 0;
 };
 
-/** Lengths of overhangs are stored as a square number of this unit, which is finer where they are
- * short. */
+/** Lengths of overhangs are stored as square numbers of this unit: finer where they are short. */
 constexpr float kOverhangUnit_m = 0.0125f;
 constexpr int kMaxOverhangRoot = 14;
 
@@ -154,8 +149,7 @@ TALUS_HD void remove_object(Cell& c)
 /** Unit of Cell::driven_height: hits up to that height above the ground are not new. */
 constexpr float kDrivenUnit_m = 0.04f;
 constexpr int kMaxDriven = 62;
-/** Whether the robot drove through an object there; kRobotWasThere also holds where there was none.
- */
+/** Whether the robot drove through an object there; it only stood at kRobotWasThere. */
 TALUS_HD bool was_driven_through(int driven_height) { return driven_height > 0; }
 TALUS_HD float driven_height_m(int driven_height)
 {
@@ -187,8 +181,7 @@ struct Stretch
   int first, end;
   TALUS_HD bool has(int ix) const { return (ix >= first) & (ix < end); }
 };
-/** The cells of a row that were in the last window, or none if all `start` anew. Others start
- * empty, see stage 2. */
+/** The cells of a row that were in the last window; none if all `start` anew. */
 TALUS_HD Stretch staying(const FrameContext& f, int cells, int iy, bool start)
 {
   const int old_y = iy + f.moved_y;
@@ -209,6 +202,32 @@ enum SurfaceClass : std::uint8_t
   kInfer = 1,  //!< its ground is unknown or a guess: infer it
   kObject = 2  //!< its lowest surface is an object above unseen ground: infer the
                //!< ground under it
+};
+
+// What stage 6 hands to stage 7.
+
+constexpr std::int32_t kNoHeight = -0x7fffffff - 1;
+
+/** Flags of a Surface. The lowest bit is free, as in CellFlag. */
+enum SurfaceFlag : std::int32_t
+{
+  kSurfaceSeen = 2,  //!< a ray hit it or passed low over its ground, or the robot stood there
+  kSurfacePossibleDropOff = 4,  //!< its ground was not seen and may lie far below that around it
+  kSurfaceDriven = 8  //!< the robot drove over it, and no new object stands there
+};
+
+constexpr int kSurfaceFlags = 4;
+
+/** The surfaces of one cell, quantised, for stage 7. */
+struct alignas(8) Surface
+{
+  std::int32_t ground;  //!< kNoHeight: unknown
+  /** The elevation (the ground without an object) above the bits of the flags. */
+  std::int32_t height_and_flags;
+
+  TALUS_HD bool known() const { return ground != kNoHeight; }
+  TALUS_HD std::int32_t height() const { return height_and_flags >> kSurfaceFlags; }
+  TALUS_HD bool is(SurfaceFlag flag) const { return (height_and_flags & flag) != 0; }
 };
 
 }  // namespace talus::kernels

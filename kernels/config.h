@@ -25,8 +25,7 @@ namespace talus::kernels
   FIELD(float, sparsity_distance_m)   \
   FIELD(float, sparsity_search_m)
 
-/** talus::Parameters for the kernels: as float, squared, in cells. Constant over the life of a map.
- */
+/** talus::Parameters for the kernels: as float, squared, in cells. Constant for a map. */
 struct Config
 {
 #define TALUS_MEMBER(type, name) type name;

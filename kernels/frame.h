@@ -17,11 +17,9 @@ struct HostContext
 {
   int n_points;
   int has_times;
-  /** Sensor poses at path_start_s + i / path_rate_hz; one pose without motion. */
-  int n_poses;
+  int n_poses;  //!< sensor poses at path_start_s + i / path_rate_hz; one pose without motion
   float path_start_s, path_rate_hz;
-  /** (lambda_t * sin(theta / 2))^2 of eq. 4. */
-  float pose_change2;
+  float pose_change2;  //!< (lambda_t * sin(theta / 2))^2 of eq. 4.
   float sensor_x_m, sensor_y_m, sensor_z_map_m;
   /** Rings of the table of rays that this frame uses, up to the farthest corner of the window. */
   int rings;
@@ -33,12 +31,10 @@ struct HostContext
   float base_x_m, base_y_m, base_z_m;
   /** dz/dx and dz/dy of the base's xy plane in the map, limited to +-1. */
   float base_slope_x, base_slope_y;
-  /** Column and row of storage where cell (0, 0) of the window lives. */
-  int storage_x, storage_y;
+  int storage_x, storage_y;  //!< column and row of storage where cell (0, 0) of the window lives
   /** Whole cells that the window has moved by since the last frame, limited to +-n. */
   int moved_x, moved_y;
-  /** 1 where cell (0, 0) of the window has an odd index in the map. */
-  int odd_x, odd_y;
+  int odd_x, odd_y;  //!< 1 where cell (0, 0) of the window has an odd index in the map
   WindowPose poses[kMaxPathPoses];
 };
 
@@ -49,8 +45,7 @@ struct FrameContext : HostContext
    * height of that datum in the map frame. */
   float sensor_z_m, offset_m;
   float drove_through_m;  //!< height of what the robot drove through in the last frame
-  /** Whether all cells were empty before: in the first frame, as the host knows, and in the first
-   * on another floor. */
+  /** Whether all cells were empty before: in the first frame, and in the first on another floor. */
   int starts_map;
 };
 

@@ -6,8 +6,7 @@
 namespace talus::kernels
 {
 // A group shares the points or directions of a cell: each member takes every size()-th, then all
-// get the minimum, maximum or sum of the group. These are exact, so that the size of the group does
-// not matter.
+// get the minimum, maximum or sum. These are exact, so that the group's size does not matter.
 
 struct SerialGroup
 {

@@ -4,16 +4,14 @@
 
 namespace talus::kernels
 {
-// Lines from the middle of the window, the robot's base, to its border: the cells that the line
-// search of one cell visits. A ring is the Chebyshev distance in cells, so that all directions are
-// alike.
+// Lines from the middle of the window, the robot's base, to its border, which the line search of a
+// cell visits. A ring is the Chebyshev distance in cells, so that all directions are alike.
 
 /** Rings that a window of n cells needs around its central cell. */
 TALUS_HD int line_rings(const Config& k) { return k.cells / 2; }
 TALUS_HD int line_count(const Config& k) { return 8 * line_rings(k); }
 
-/** A line from the central cell to a border cell; `minor` is that cell's index on its side, in
- * [-rings, rings). */
+/** A line from the central cell to a border cell, which has index `minor` in [-rings, rings). */
 struct Line
 {
   int side;
@@ -28,8 +26,7 @@ TALUS_HD Line line_from_index(int index, int rings)
 
 TALUS_HD int line_index(const Line& l, int rings) { return l.side * 2 * rings + l.minor + rings; }
 
-/** Rounded offset of a line from its axis at a ring, in cells; `minor` is its border cell,
- * `inverse` = 1 / (2 rings). */
+/** Rounded offset of a line from its axis at a ring [cells]; `inverse` = 1 / (2 rings). */
 TALUS_HD int line_aside(int minor, int ring, int rings, float inverse)
 {
   return floor_div(2 * minor * ring + rings, 2 * rings, inverse);
@@ -72,8 +69,7 @@ struct LineGrid
   TALUS_HD int middle() const { return at(half, half); }
 };
 
-/** The pitch is an odd number of cache lines, so that the cells of a column do not compete for one
- * part of the cache. */
+/** The pitch is an odd number of cache lines, so that cells of a column do not share lines. */
 TALUS_HD LineGrid line_grid(const Config& k)
 {
   const int half = k.cells / 2, side = 2 * half + 1;

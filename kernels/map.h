@@ -7,13 +7,13 @@
 #include "kernels/lines.h"
 #include "kernels/math.h"
 #include "kernels/rays.h"
+#include "kernels/rule_switches.h"
 
 namespace talus::kernels
 {
 struct FrameCounts;
 struct HeightPoint;
 struct OffsetHistogram;
-struct Surface;
 struct Track;
 
 // The arrays of a map beside its cells, one line each: ARRAY(type, name, of what, value at first).
@@ -132,6 +132,10 @@ struct Map
 
   /** Storage index of a cell of the window. */
   TALUS_HD int at(int x, int y) const { return storage_index(*frame, k.cells, x, y); }
+  TALUS_HD bool has(int x, int y) const
+  {
+    return (x >= 0) & (y >= 0) & (x < k.cells) & (y < k.cells);
+  }
   /** Index of a cell in layers. */
   TALUS_HD int window_at(int x, int y) const { return y * k.cells + x; }
   TALUS_HD int pair_of(int x, int y) const
@@ -178,8 +182,7 @@ struct InTurn
   TALUS_HD void operator()(int x, int y, int i) const { (apply<Rules>(m, x, y, i), ...); }
 };
 
-/** Copies the wanted layers of stages 2 to 6 of a cell, but for the variance, which has a rule of
- * its own: EstimateVariance. */
+/** Copies the wanted layers of stages 2 to 6 of a cell; the variance has EstimateVariance. */
 struct PutSurface
 {
   const Map& m;

@@ -58,9 +58,8 @@ TALUS_HD double double_of(std::int64_t v)
 #endif
 }
 
-/** Heights are summed as integers, in units, relative to the sensor and within +-32 m. With steps
- * of 1/4096 m, sums of up to 31 x 31 cells, times an offset of up to 15 cells, are exact in 32
- * bits. */
+/** Heights are summed as integers relative to the sensor within +-32 m. In units of 1/4096 m, sums
+ * of 31 x 31 cells, times an offset of 15 cells, are exact in 32 bits. */
 constexpr float kHeightUnits = 4096.0f, kMaxHeight_m = 32.0f;
 
 TALUS_HD int quantise_height(float height_m, float reference_m, float units_per_m = kHeightUnits)

@@ -1,7 +1,6 @@
 #pragma once
 #include "kernels/group.h"
 #include "kernels/map.h"
-#include "kernels/rule_constants.h"
 
 namespace talus::kernels
 {
@@ -10,8 +9,7 @@ namespace talus::kernels
 
 constexpr int kMaxBinsPerCellBits = 3;  //!< near the sensor a cell uses eight bins
 
-/** The rays through the middle half of the angle under which the sensor sees a cell, that ended two
- * or more rings behind it. */
+/** The rays through the middle half of a cell's angle that ended two or more rings behind it. */
 struct RayFootprint
 {
   std::int32_t first_bin = 0, last_bin = -1, stride = 1;

@@ -1,7 +1,6 @@
 #pragma once
-// One source for host and device. Everything under kernels/ uses IEEE-exact operations only (+ - *
-// / sqrt, comparisons, integers), compiled without contraction, so that every backend computes the
-// same bits.
+// One source for host and device: IEEE-exact operations only (+ - * / sqrt, comparisons, integers),
+// compiled without contraction, so that every backend computes the same bits.
 
 #include <cstdint>
 

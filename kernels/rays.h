@@ -10,16 +10,14 @@ namespace talus::kernels
 // distance in cells, a direction is a position on the border of a square. All directions are alike,
 // a row of the table is one ring, and a sweep along the rings visits each cell O(1) times.
 
-/** Bins along one of the 4 sides of the square. A bin is as wide as a cell at the window's border.
- */
+/** Bins along a side of the square: a bin is as wide as a cell at the window's border. */
 TALUS_HD int bins_per_side(const Config& k) { return k.cells; }
 TALUS_HD int bin_count(const Config& k) { return 4 * bins_per_side(k); }
 /** Room for rings in the table, for a sensor up to a sixteenth of the window away from its middle.
  * FrameContext::rings are in use; the last one holds all hits beyond. */
 TALUS_HD int most_rings(int cells) { return cells / 2 + cells / 16 + 3; }
 
-/** Direction of (dx, dy) != 0 along the border of the square, counter-clockwise, in bins: [0,
- * bin_count]. */
+/** Direction of (dx, dy) != 0 along the square's border, counter-clockwise, in [0, bin_count]. */
 TALUS_HD float direction_in_bins(float dx, float dy, int per_side)
 {
   const bool along_x = abs_of(dx) >= abs_of(dy);
@@ -86,8 +84,7 @@ TALUS_HD float end_of_ray_m(std::int32_t ray)
   return float_of_bits((static_cast<std::uint32_t>(ray & kEndBits) + kNearestEnd) << 16);
 }
 
-/** The number of bins of slope. */
-constexpr int kSlopeBins = 64;
+constexpr int kSlopeBins = 64;  //!< the number of bins of slope
 /** Slopes are bent into [-1, 1]; the bins cover -1/2 (slope -1) to 1/4 (slope 1/3). */
 constexpr float kLowestBent = -0.5f, kBentRange = 0.75f;
 /** The bin of a slope, with its fraction. Level slopes have the finest bins, for they reach
@@ -111,15 +108,13 @@ TALUS_HD float gentle_fall_m(float length_m)
 {
   return max_of(kEndsFall * length_m, kEndsFarFall * length_m + (kEndsFall - kEndsFarFall));
 }
-/** Whether rays pass above the ground at a height; infinity: no ray. Rays below it show an
- * object or a drop, but not if rays pass above it on both sides: what a glossy floor reflects are
- * single rays. */
+/** Whether rays pass above the ground at a height; infinity: no ray. Rays below it show an object
+ * or a drop, unless others pass above it on both sides: a glossy floor reflects single rays. */
 TALUS_HD bool passes_over(float height_m, float ground_m)
 {
   return (height_m > ground_m) & (height_m < kInfinity);
 }
-/** Whether over(d) holds on both sides of a cell, of one that lies at most kBesideRay_cells away.
- */
+/** Whether over(d) holds on both sides of a cell, within kBesideRay_cells. */
 template <class Over>
 TALUS_HD bool on_both_sides(const Over& over)
 {

@@ -14,10 +14,8 @@ constexpr float kBuried_m = 0.2f;
 
 // ---- Stage 2: poses that are corrected, and other floors, see 2_follow.h ----
 
-/** One hit in kOffsetOneIn is sampled: some hundred are enough. */
-constexpr int kOffsetOneIn = 16;
-/** Fewer ground hits decide nothing. */
-constexpr int kMinGroundHits = 24;
+constexpr int kOffsetOneIn = 16;  //!< one hit in kOffsetOneIn is sampled: some hundred are enough
+constexpr int kMinGroundHits = 24;  //!< fewer ground hits decide nothing
 /** Ground is bare if nothing stands on it that is higher [steps]. */
 constexpr float kBare_steps = 0.5f;
 /** Width of a bin of the histogram: three bins hold the noise and slopes of one offset; all bins
@@ -43,8 +41,7 @@ constexpr int kBehindOverhang_rings = 2;
  * rays takes one. Edges cover their cells in part, so that rays pass most of the time. A mover
  * seldom leaves two hits close together. A cleared cell keeps one hit, see object_left(). */
 constexpr int kHitAdds = 9, kMaxRecentHits = 31;
-/** Two hits within five frames, and not long ago. */
-constexpr int kLoneHitCounts = kHitAdds + 5;
+constexpr int kLoneHitCounts = kHitAdds + 5;  //!< two hits within five frames, and not long ago
 /** An object where the robot drove appeared later, so it moves: it is gone, occluded or not, after
  * this number of frames without a hit. */
 constexpr int kFollowerLeaves_frames = 5;
@@ -67,16 +64,14 @@ constexpr int kLeavesTogether_pairs = 3;
 constexpr float kUnderFoot_steps = 0.75f;
 /** Margin above the height that it drove through [steps]: blades stand up again. */
 constexpr float kStandsUp_steps = 0.5f;
-/** The robot stands on this radius around its base. */
-constexpr float kFootprint_m = 0.25f;
+constexpr float kFootprint_m = 0.25f;  //!< the robot stands on this radius around its base
 /** In the automatic mode ground is presumed within this distance of the start, and only where
  * ground is seen within it: the blind zone of a beam 15 degrees down, 0.8 m high. */
 constexpr float kStartsWithin_m = 3.0f;
 /** Within this distance of the start the ground is presumed even if the scanner does not look over
  * it, since the robot was put there with room to move off. */
 constexpr float kStartsOn_m = 0.7f;
-/** The ground may end with a drop-off if the ray above the blind zone goes on to this depth below
- * it [steps]. */
+/** There may be a drop-off if the ray above the blind zone goes on this deep below it [steps]. */
 constexpr float kStartUndercut_steps = 1.0f;
 /** There is a drop-off if the lowest ray there passed this share of that depth below the ground. */
 constexpr float kStartDropSeen = 0.5f;
@@ -84,8 +79,7 @@ constexpr float kStartDropSeen = 0.5f;
 constexpr float kUprightScanner = 0.5f;
 /** Ground is not presumed within this share of the distance beside a direction with a drop-off. */
 constexpr float kDropBeside = 0.2f;
-/** Variance of the ground under the robot. */
-constexpr float kUnderFoot_var_m2 = 0.02f * 0.02f;
+constexpr float kUnderFoot_var_m2 = 0.02f * 0.02f;  //!< variance of the ground under the robot
 
 /** An object at least this high [steps] is upright: its lowest hit need not be its foot. */
 constexpr float kUpright_steps = 1.5f;
@@ -99,30 +93,25 @@ constexpr float kAboveOpening_steps = 0.5f;
 /** Pairs by which dilation goes farther than erosion: a pair with an edge and the ground below it
  * belongs to the platform of that edge. */
 constexpr int kDilatesFarther_pairs = 1;
-/** Reach goes over a guess, filled from one side, only with at least this score: a steeper one may
- * lead from the floor onto a box. */
+/** Min score of a guess that reach goes over: a steeper one may lead from the floor onto a box. */
 constexpr float kGuessScore = 0.8f;
 /** Variance of the ground below an object that is as high as the ground around it. */
 constexpr float kFoot_var_m2 = 0.15f * 0.15f;
-/** In the first frame the ground around the robot is reached up to this number of heights of the
- * sensor away, where the lowest beam of most scanners (15 degrees) meets it, and at most this far
- * off the plane of the base [steps]. */
+/** In the first frame ground is reached up to this number of heights of the sensor away, where the
+ * lowest beam of most scanners (15 degrees) meets it, and this far off the base's plane [steps]. */
 constexpr float kStartReach = 4.0f, kStartReach_steps = 0.5f;
-/** Rounds of four sweeps in which the first frame finds out what is reached: 7 to 12 cross a whole
- * street of parked cars. */
+/** Rounds of four sweeps of reach in the first frame: 7 to 12 cross a street of parked cars. */
 constexpr int kFirstReach_rounds = 12;
 /** The cone is as steep as this [m/m], or as what the robot climbs: 45 degrees, as banks are. */
 constexpr float kSteepestBank = 1.0f;
 
 // ---- Stages 4 and 5: rays of one cell ----
 
-/** Half of the angle of a cell that its rays may have, its middle half: an eighth of a side of the
- * square, over the ring. */
+/** Half of a cell's angle for its rays, its middle half: an eighth of a side, over the ring. */
 constexpr float kFootprintHalfSpan = 0.125f;
 /** Rays of a cell ended this number of rings behind it, so not on the object itself. */
 constexpr int kBehindCell_rings = 2;
-/** Nearer to the sensor a cell is seen from above only. */
-constexpr float kUnderSensor_rings = 2.0f;
+constexpr float kUnderSensor_rings = 2.0f;  //!< nearer to the sensor a cell is seen from above only
 /** Hits within these rings before a cell belong to its overhang, which is seldom one cell wide. */
 constexpr int kBeforeCell_rings = 2;
 
@@ -147,8 +136,7 @@ constexpr float kRiseDeviation = 0.289f;
 /** The deviation between two samples is this share of their reduced distance, a b / (a + b) [m/m];
  * beside one it is this share of its distance. */
 constexpr float kBetweenDeviation = 0.05f, kBeyondDeviation = 0.3f;
-/** The lines of a fill: from the sensor, row and column. */
-constexpr float kFillLines = 3.0f;
+constexpr float kFillLines = 3.0f;  //!< the lines of a fill: from the sensor, row and column
 /** The standard deviation of a fill grows by this share of the height of the mean of its lines
  * above the lowest: fitted, with fill_variance_per_m, to the errors of fills. */
 constexpr float kLinesApart = 0.5f;
@@ -169,8 +157,7 @@ constexpr float kLowStep_steps = 0.8f;
 /** A cell beside an impassable one joins it if its score is less: halfway to impassable. */
 constexpr float kEdgeScore = 0.5f;
 
-/** Min score where the robot drove, also beside an object. */
-constexpr float kDrivenScore = 0.5f;
+constexpr float kDrivenScore = 0.5f;  //!< min score where the robot drove, also beside an object
 
 // ---- Stage 7: drops ----
 
@@ -179,8 +166,7 @@ constexpr float kDrivenScore = 0.5f;
 constexpr float kExplainedSlope = 0.5f, kExplained_steps = 2.5f;
 /** The far wall of a ditch rises by this much more than a robot can drive; max width of a ditch. */
 constexpr float kWallNoise_m = 0.01f, kWidestDitch_m = 2.8f;
-/** Ground that falls by less than this [m/m] is level. */
-constexpr float kGentle = 0.05f;
+constexpr float kGentle = 0.05f;  //!< ground that falls by less than this [m/m] is level
 /** Max depth of a ditch over the depth at which its far wall begins below the near edge. */
 constexpr float kDitchDepthFactor = 2.0f;
 /** Ground may drop if eq. 14 gives less than this: halfway between sure and impossible. */
@@ -188,13 +174,11 @@ constexpr float kSparse = 0.5f;
 
 // ---- Channels ----
 
-/** Max number of past points in a mean, so that it follows change within a few scans: a cell gets
- * one to ten points of a scan. */
+/** Max past points in a mean, so that it follows change within a few scans of 1 to 10 points. */
 constexpr std::uint32_t kMeanOfPoints = 64;
 /** Votes are halved above this number, for the same reason; each fits into eight bits. */
 constexpr std::uint32_t kVotesOfPoints = 64;
-/** Values are summed as integers in units of 1/65536; beyond 2^24, where float itself has no
- * fractions, they are left out. */
+/** Values are summed in units of 1/65536; left out beyond 2^24, where float has no fractions. */
 constexpr double kChannelUnits = 65536.0;
 constexpr float kMaxChannelValue = 16777216.0f;
 

@@ -2,6 +2,7 @@
 #include "sanitizer.h"
 #include "scene.h"
 #include "shuffle.h"
+#include "street.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -11,40 +12,20 @@
 #include <fstream>
 #include <limits>
 #include <new>
+#include <stdexcept>
+#include <string>
+#include <thread>
 
 using namespace talus;
 using namespace talus::test;
 
 namespace
 {
-/** A drive with everything at once: rolling, a mover, hanging things, noise, NaN, empty frames. */
-Scan drive_frame(int i, Random& random)
-{
-  const double x = 0.031 * i, y = 0.4 * std::sin(0.05 * i);
-  Scan s(x, y, 0.7);
-  if (i % 17 == 5) return s;
-  const double w = 0.02 * i;
-  std::vector<Box> boxes{
-      {{2, 0.5, 0}, {2.3, 0.9, 0.5}},        {{4, -1, 0.75}, {4.6, 1, 0.8}},
-      {{1, -2, 0}, {6, -1.95, 1.0}},         {{5 - w, 1.2, 0}, {5.4 - w, 1.5, 1.4}},
-      {{3.02, -0.6, 0}, {3.06, -0.56, 1.2}}, {{6, -0.5, 0}, {6.5, 0.5, 0.08}}};
-  s.cast(boxes, 360, -0.6, 0.1, 24);
-  for (std::size_t k = 0; k < s.z_.size(); k++)
-  {
-    s.z_[k] += static_cast<float>(random.uniform(-0.02, 0.02));
-    if (random.bits() % 97 == 0) s.x_[k] = std::nanf("");
-  }
-  return s;
-}
-
 void expect_same_bits(const ElevationMapper& a, const ElevationMapper& b, int frame)
 {
   for (int l = 0; l < kLayerCount; l++)
-  {
-    const auto &x = a.layer(static_cast<Layer>(l)), &y = b.layer(static_cast<Layer>(l));
-    ASSERT_EQ(std::memcmp(x.data(), y.data(), x.size() * sizeof(float)), 0)
+    ASSERT_TRUE(same_bits(a.layer(static_cast<Layer>(l)), b.layer(static_cast<Layer>(l))))
         << kLayerTable[l].name << " differs after frame " << frame;
-  }
 }
 }  // namespace
 
@@ -148,24 +129,20 @@ TEST(Determinism, ARestoredMapOfTwoSensorsGoesOnWithTheSameBits)
 
 TEST(Determinism, BytesThatAreNoSavedMapAreRefused)
 {
-  TestMap m;
-  m.update(Scan().add(1, 1, 0));
+  TestMap m(Scan().add(1, 1, 0));
   auto bytes = m.map.save();
   EXPECT_THROW(m.map.restore({1, 2, 3}), std::invalid_argument);
   EXPECT_THROW(m.map.restore(std::vector<std::uint8_t>(bytes.size())), std::invalid_argument);
   bytes.pop_back();
   EXPECT_THROW(m.map.restore(bytes), std::invalid_argument);
-  Parameters other;
-  other.window_m = 4;
-  TestMap smaller(other);
+  TestMap smaller(with({{"window_m", 4}}));
   EXPECT_THROW(smaller.map.restore(m.map.save()), std::invalid_argument);
   EXPECT_EQ(m.state(1, 1), CellState::Measured);
 }
 
 TEST(Determinism, DamagedSavedMapsAreRefused)
 {
-  TestMap m;
-  m.update(Scan().add(1, 1, 0));
+  TestMap m(Scan().add(1, 1, 0));
   const auto sound = m.map.save();
   const std::size_t cells = m.map.layer(Layer::State).size();
   constexpr std::size_t layers = kHeaderBytes + kSensorBytes;
@@ -227,4 +204,59 @@ TEST(Determinism, ClearForgetsEverything)
   a.map.clear();
   EXPECT_TRUE(a.map.empty());
   EXPECT_EQ(a.map.save(), fresh.map.save());
+}
+
+namespace
+{
+constexpr int kNoDevice = 1023;  // no machine has so many
+
+Scan a_scan()
+{
+  Scan scan(0, 0, 0.7);
+  scan.cast({{{1.5, -0.5, 0}, {1.8, 0.2, 0.4}}}, 90, -0.6, 0.1, 12);
+  return scan;
+}
+
+std::vector<float> judged(ElevationMapper& map)
+{
+  const Scan scan = a_scan();
+  map.update(scan.frame());
+  return map.layer(Layer::Traversability);
+}
+}  // namespace
+
+TEST(Device, OneThatIsNotThereIsRefusedAndToldHowManyThereAre)
+{
+  const auto text_for = [](int device)
+  { return error_of([=] { ElevationMapper({}, Backend::Cuda, 1, device); }); };
+  const std::string only = ": there are only " + std::to_string(cuda_devices()) + " devices";
+  EXPECT_EQ(text_for(kNoDevice).rfind("device 1023" + only, 0), 0U) << text_for(kNoDevice);
+  EXPECT_TRUE(contains(text_for(-1), "device -1")) << text_for(-1);
+}
+
+TEST(Device, AutoGoesOnWithTheCpuWhereTheDeviceIsNotThere)
+{
+  const std::string cpu = ElevationMapper({}, Backend::Cpu).backend_name();
+  EXPECT_EQ(ElevationMapper({}, Backend::Auto, 1, kNoDevice).backend_name(), cpu);
+  EXPECT_EQ(ElevationMapper({}, Backend::Cpu, 1, kNoDevice).backend_name(), cpu);
+}
+
+TEST(Device, EachGivesTheSameBitsToWhateverThreadAsks)
+{
+  ElevationMapper cpu({}, Backend::Cpu);
+  const std::vector<float> expected = judged(cpu);
+  const int devices = tested_backend() == Backend::Cuda ? cuda_devices() : 0;
+  for (int device = 0; device < devices; device++)
+  {
+    ElevationMapper map({}, Backend::Cuda, 1, device);
+    if (devices > 1)
+    {
+      const std::string number = "(device " + std::to_string(device) + " of ";
+      EXPECT_TRUE(contains(map.backend_name(), number)) << map.backend_name();
+    }
+    std::vector<float> ground;
+    std::thread([&] { ground = judged(map); }).join();
+    EXPECT_TRUE(same_bits(ground, expected)) << "device " << device;
+    std::thread([ended = std::move(map)] {}).join();
+  }
 }

@@ -31,8 +31,7 @@ Scan scan_at(int i)
 
 void expect_same(const std::vector<float>& x, const std::vector<float>& y, const char* what)
 {
-  ASSERT_EQ(x.size(), y.size());
-  ASSERT_EQ(std::memcmp(x.data(), y.data(), x.size() * sizeof(float)), 0) << what;
+  ASSERT_TRUE(same_bits(x, y)) << what;
 }
 
 /** A map that is fed frame by frame, and one with two in flight. */
@@ -104,27 +103,7 @@ class Both
   int frames_ = 0, finished_ = 0;
 };
 
-Parameters window(double side_m)
-{
-  Parameters p;
-  p.window_m = side_m;
-  return p;
-}
-
-/** The message of the logic_error that f throws. */
-template <class F>
-std::string misuse(const F& f)
-{
-  try
-  {
-    f();
-  }
-  catch (const std::logic_error& e)
-  {
-    return e.what();
-  }
-  return "";
-}
+Parameters window(double side_m) { return with({{"window_m", side_m}}); }
 }  // namespace
 
 TEST(FramesInFlight, LeaveTheBitsOfFramesOneByOne)
@@ -254,25 +233,25 @@ TEST(FramesInFlight, WhatCannotBeDoneMeanwhileSaysWhatToDo)
   TestMap m(window(4));
   ElevationMapper& map = m.map;
   map.set_output_layers(kTwo);
-  EXPECT_NE(misuse([&] { map.finish(); }).find("start()"), std::string::npos);
+  EXPECT_TRUE(contains(error_of([&] { map.finish(); }), "start()"));
   const Scan a = scan_at(0), b = scan_at(1);
   const auto saved = map.save();
   map.start(a.frame());
   EXPECT_TRUE(map.empty());
   for (const std::string& message :
-       {misuse([&] { map.update(b.frame()); }), misuse([&] { map.save(); }),
-        misuse([&] { map.restore(saved); }), misuse([&] { map.clear(); }),
-        misuse([&] { map.set_output_layers({}); }), misuse([&] { map.layer(Layer::State); })})
-    EXPECT_NE(message.find("finish"), std::string::npos) << message;
+       {error_of([&] { map.update(b.frame()); }), error_of([&] { map.save(); }),
+        error_of([&] { map.restore(saved); }), error_of([&] { map.clear(); }),
+        error_of([&] { map.set_output_layers({}); }), error_of([&] { map.layer(Layer::State); })})
+    EXPECT_TRUE(contains(message, "finish")) << message;
   map.start(b.frame());
-  EXPECT_NE(misuse([&] { map.start(a.frame()); }).find("two frames"), std::string::npos);
-  EXPECT_NE(misuse([&] { map.point_arrays(9); }).find("two frames"), std::string::npos);
+  EXPECT_TRUE(contains(error_of([&] { map.start(a.frame()); }), "two frames"));
+  EXPECT_TRUE(contains(error_of([&] { map.point_arrays(9); }), "two frames"));
   EXPECT_EQ(map.frames_in_flight(), 2);
   map.finish();
-  EXPECT_NE(misuse([&] { map.layer(Layer::State); }).find("state"), std::string::npos);
+  EXPECT_TRUE(contains(error_of([&] { map.layer(Layer::State); }), "state"));
   EXPECT_EQ(map.layer(Layer::Elevation).size(), 80u * 80u);
   map.start(a.frame());
-  EXPECT_NE(misuse([&] { map.layer(Layer::Elevation); }), "") << "its memory is written again";
+  EXPECT_NE(error_of([&] { map.layer(Layer::Elevation); }), "") << "its memory is written again";
   map.finish();
   map.finish();
   EXPECT_EQ(map.layer(Layer::State).size(), 80u * 80u);

@@ -54,8 +54,8 @@ Digests digests_of(const ElevationMapper& map)
 struct Step
 {
   Scan scan;
-  std::vector<float> time_s;
-  std::vector<TimedPose> path;
+  std::vector<float> time_s{};
+  std::vector<TimedPose> path{};
   bool restores = false;  //!< before the frame the map is saved, and another goes on
   std::optional<Pose> T_base_sensor{};
   std::uint32_t sensor = 0;
@@ -120,207 +120,138 @@ std::vector<float> times_of(const Scan& s)
   return times;
 }
 
-World standing()
+Parameters with_body(Parameters p, const std::vector<BodyBox>& boxes)
 {
-  return {
-      "standing",
-      {},
-      [](int, Random& r)
-      {
-        const Pose T = ExactScene::pose(0.01, 0.02, 0.7);
-        return Step{yard_scene().scan(T, 360, 24, -0.7, 0.1, r, 0.02), {}, {}};
-      }};
-}
-
-World rolling()
-{
-  return {
-      "rolling",
-      {},
-      [](int i, Random& r)
-      {
-        const Pose T = ExactScene::pose(0.131 * i, 0.04 * i - 0.002 * i * i, 0.7);
-        Step s{yard_scene().scan(T, 360, 24, -0.7, 0.1, r, 0.02), {}, {}};
-        spoil(s.scan, r);
-        if (i % 13 == 5) s.scan = Scan(T.x(), T.y(), T.z());  // a frame without points
-        return s;
-      }};
-}
-
-World movers()
-{
-  return {
-      "movers",
-      {},
-      [](int i, Random& r)
-      {
-        ExactScene scene = yard_scene();
-        scene.boxes.push_back(walker(3.5 - 0.15 * i, 1.2));
-        if (i < 15) scene.boxes.push_back(walker(1.5, -1.2));  // then it is gone
-        const Pose T = ExactScene::pose(0.02 * i, 0, 0.7);
-        return Step{scene.scan(T, 360, 32, -0.7, 0.1, r, 0.01), {}, {}};
-      }};
-}
-
-World hanging()
-{
-  Parameters p;
-  p.clearance_m = 0.8;
-  return {
-      "hanging", p,
-      [](int i, Random& r)
-      {
-        ExactScene scene;
-        scene.boxes = {{{1, -1, 0.5}, {1.8, 1, 0.55}},   {{2.2, -3, 0.9}, {2.4, 3, 1.0}},
-                       {{-2, -2, 0.3}, {-1.2, 2, 0.35}}, {{-2, 1.9, 0}, {-1.9, 2, 0.3}},
-                       {{0.5, 2, 1.0}, {3, 3, 1.05}},    {{3, -0.5, 0.2}, {3.5, 0.5, 1.6}}};
-        const Pose T = ExactScene::pose(0.05 * i - 0.5, 0.3, 0.75);
-        return Step{scene.scan(T, 300, 32, -0.7, 0.35, r, 0.01), {}, {}};
-      }};
-}
-
-World ramps_and_a_ditch()
-{
-  Parameters p;
-  p.fill_samples = 4;
-  return {
-      "ramps_and_a_ditch", p,
-      [](int i, Random& r)
-      {
-        ExactScene scene;
-        scene.profile = {{{-3, 0}},   {{-1, 0.6}}, {{0, 0.6}},   {{0.0625, 0.5}}, {{1.5, 0.5}},
-                         {{1.6, -1}}, {{2.1, -1}}, {{2.2, 0.5}}, {{3.5, 0.5}},    {{5, 1.1}}};
-        scene.boxes = {walker(2.6, 0.5), walker(-2, -1)};
-        const Pose T = ExactScene::pose(0.06 * i - 1, 0.2, 1.25);
-        return Step{scene.scan(T, 360, 32, -0.8, 0.1, r, 0.01), {}, {}};
-      }};
-}
-
-World deskewed()
-{
-  return {
-      "deskewed",
-      {},
-      [](int i, Random& r)
-      {
-        const double x = 0.08 * i, turn = 0.01 * i;
-        const Pose T = ExactScene::pose(x, 0, 0.7, turn);
-        Step s{yard_scene().scan(T, 360, 24, -0.7, 0.1, r, 0.01), {}, {}};
-        s.time_s = times_of(s.scan);
-        if (i % 3)
-          s.path = {
-              {-0.05, ExactScene::pose(x - 0.05, 0, 0.7, turn)},
-              {0.01, T},
-              {0.05, ExactScene::pose(x + 0.04, 0.02, 0.7, turn)}};
-        return s;
-      }};
-}
-
-World tilting_with_voxels_and_a_body()
-{
-  Parameters p;
-  p.voxel_m = 0.05;
-  p.body_boxes_m = {{-0.4, 0.4, -0.3, 0.3, -0.8, 0.1}};
-  return {
-      "tilting_with_voxels_and_a_body", p,
-      [](int i, Random& r)
-      {
-        const double pitch = (i % 8 < 4 ? i % 4 : 4 - i % 4) * 0.02 - 0.04;
-        const Pose T = ExactScene::pose(0.04 * i, -0.1, 0.7, 0.05 * i, pitch);
-        return Step{yard_scene().scan(T, 720, 32, -1.5, 0.1, r, 0.01), {}, {}};
-      }};
-}
-
-World small_window_that_jumps()
-{
-  Parameters p;
-  p.window_m = 2.55;
-  return {
-      "small_window_that_jumps", p,
-      [](int i, Random& r)
-      {
-        ExactScene scene = yard_scene();
-        scene.boxes.push_back(walker(4 - 0.2 * i, 0.2));
-        const double x = i % 10 == 8 ? 500.0 : 0.2 * i, y = i % 14 == 13 ? -1e5 : 0.0;
-        Step s{scene.scan(ExactScene::pose(x, y, 0.7), 180, 16, -1.2, 0.1, r, 0.02), {}, {}};
-        spoil(s.scan, r);
-        return s;
-      }};
-}
-
-World wide_window_of_coarse_cells()
-{
-  Parameters p;
-  p.resolution_m = 0.1;
-  p.window_m = 24;
-  p.object_size_m = 3.2;
-  p.feature_radius_m = 0.4;
-  p.fill_search_m = 6;
-  return {
-      "wide_window_of_coarse_cells", p,
-      [](int i, Random& r)
-      {
-        ExactScene scene = yard_scene();
-        scene.profile = {{{-8, -0.5}}, {{-4, 0}}, {{8, 0}}, {{8.1, 0.3}}, {{12, 1.5}}};
-        const Pose T = ExactScene::pose(0.31 * i - 5, 0.1 * i - 1, 0.9);
-        return Step{scene.scan(T, 720, 48, -0.6, 0.15, r, 0.03), {}, {}};
-      }};
-}
-
-World saved_and_restored()
-{
-  return {
-      "saved_and_restored",
-      {},
-      [](int i, Random& r)
-      {
-        ExactScene scene = yard_scene();
-        scene.boxes.push_back(walker(3.5 - 0.1 * i, -0.8));
-        const Pose T = ExactScene::pose(0.07 * i, 0.03 * i, 0.7, 0.02 * i);
-        Step s{scene.scan(T, 360, 24, -0.7, 0.1, r, 0.02), {}, {}};
-        s.restores = i % 7 == 3;
-        return s;
-      }};
-}
-
-/** One looks down ahead of the robot, the other, beyond an eighth of the window behind its base, is
- * level; both see a box that goes along with it. */
-World two_sensors_on_a_base()
-{
-  Parameters p;
-  p.body_boxes_m = {{-0.7, -0.3, -0.3, 0.3, 0.1, 0.5}, {0.3, 0.6, -0.2, 0.2, 0.0, 0.3}};
-  return {
-      "two_sensors_on_a_base", p,
-      [](int i, Random& r)
-      {
-        const bool ahead = i % 2 == 0;
-        const double x = 0.06 * i, along = ahead ? 0.5 : -1.25;
-        ExactScene scene = yard_scene();
-        scene.boxes.push_back({{x - 0.6, -0.2, 0.2}, {x - 0.4, 0.2, 0.4}});
-        const double height = ahead ? 0.8 : 1.1, pitch = ahead ? 0.35 : 0;
-        const Pose T = ExactScene::pose(x + along, 0.1, height, 0, pitch);
-        Step s{scene.scan(T, 360, 24, -1.2, 0.2, r, 0.01), {}, {}};
-        s.T_base_sensor = ExactScene::pose(along, 0.1, height, 0, pitch);
-        s.sensor = ahead ? 0 : 1;
-        s.restores = i % 11 == 4;
-        return s;
-      }};
+  p.body_boxes_m = boxes;
+  return p;
 }
 
 std::vector<World> worlds()
 {
   return {
-      standing(),
-      rolling(),
-      movers(),
-      hanging(),
-      ramps_and_a_ditch(),
-      deskewed(),
-      tilting_with_voxels_and_a_body(),
-      small_window_that_jumps(),
-      wide_window_of_coarse_cells(),
-      saved_and_restored(),
-      two_sensors_on_a_base()};
+      {"standing",
+       {},
+       [](int, Random& r)
+       {
+         const Pose T = ExactScene::pose(0.01, 0.02, 0.7);
+         return Step{yard_scene().scan(T, 360, 24, -0.7, 0.1, r, 0.02)};
+       }},
+      {"rolling",
+       {},
+       [](int i, Random& r)
+       {
+         const Pose T = ExactScene::pose(0.131 * i, 0.04 * i - 0.002 * i * i, 0.7);
+         Step s{yard_scene().scan(T, 360, 24, -0.7, 0.1, r, 0.02)};
+         spoil(s.scan, r);
+         if (i % 13 == 5) s.scan = Scan(T.x(), T.y(), T.z());  // a frame without points
+         return s;
+       }},
+      {"movers",
+       {},
+       [](int i, Random& r)
+       {
+         ExactScene scene = yard_scene();
+         scene.boxes.push_back(walker(3.5 - 0.15 * i, 1.2));
+         if (i < 15) scene.boxes.push_back(walker(1.5, -1.2));  // then it is gone
+         const Pose T = ExactScene::pose(0.02 * i, 0, 0.7);
+         return Step{scene.scan(T, 360, 32, -0.7, 0.1, r, 0.01)};
+       }},
+      {"hanging", with({{"clearance_m", 0.8}}),
+       [](int i, Random& r)
+       {
+         ExactScene scene;
+         scene.boxes = {{{1, -1, 0.5}, {1.8, 1, 0.55}},   {{2.2, -3, 0.9}, {2.4, 3, 1.0}},
+                        {{-2, -2, 0.3}, {-1.2, 2, 0.35}}, {{-2, 1.9, 0}, {-1.9, 2, 0.3}},
+                        {{0.5, 2, 1.0}, {3, 3, 1.05}},    {{3, -0.5, 0.2}, {3.5, 0.5, 1.6}}};
+         const Pose T = ExactScene::pose(0.05 * i - 0.5, 0.3, 0.75);
+         return Step{scene.scan(T, 300, 32, -0.7, 0.35, r, 0.01)};
+       }},
+      {"ramps_and_a_ditch", with({{"fill_samples", 4}}),
+       [](int i, Random& r)
+       {
+         ExactScene scene;
+         scene.profile = {{{-3, 0}},   {{-1, 0.6}}, {{0, 0.6}},   {{0.0625, 0.5}}, {{1.5, 0.5}},
+                          {{1.6, -1}}, {{2.1, -1}}, {{2.2, 0.5}}, {{3.5, 0.5}},    {{5, 1.1}}};
+         scene.boxes = {walker(2.6, 0.5), walker(-2, -1)};
+         const Pose T = ExactScene::pose(0.06 * i - 1, 0.2, 1.25);
+         return Step{scene.scan(T, 360, 32, -0.8, 0.1, r, 0.01)};
+       }},
+      {"deskewed",
+       {},
+       [](int i, Random& r)
+       {
+         const double x = 0.08 * i, turn = 0.01 * i;
+         const Pose T = ExactScene::pose(x, 0, 0.7, turn);
+         Step s{yard_scene().scan(T, 360, 24, -0.7, 0.1, r, 0.01)};
+         s.time_s = times_of(s.scan);
+         if (i % 3)
+           s.path = {
+               {-0.05, ExactScene::pose(x - 0.05, 0, 0.7, turn)},
+               {0.01, T},
+               {0.05, ExactScene::pose(x + 0.04, 0.02, 0.7, turn)}};
+         return s;
+       }},
+      {"tilting_with_voxels_and_a_body",
+       with_body(with({{"voxel_m", 0.05}}), {{-0.4, 0.4, -0.3, 0.3, -0.8, 0.1}}),
+       [](int i, Random& r)
+       {
+         const double pitch = (i % 8 < 4 ? i % 4 : 4 - i % 4) * 0.02 - 0.04;
+         const Pose T = ExactScene::pose(0.04 * i, -0.1, 0.7, 0.05 * i, pitch);
+         return Step{yard_scene().scan(T, 720, 32, -1.5, 0.1, r, 0.01)};
+       }},
+      {"small_window_that_jumps", with({{"window_m", 2.55}}),
+       [](int i, Random& r)
+       {
+         ExactScene scene = yard_scene();
+         scene.boxes.push_back(walker(4 - 0.2 * i, 0.2));
+         const double x = i % 10 == 8 ? 500.0 : 0.2 * i, y = i % 14 == 13 ? -1e5 : 0.0;
+         Step s{scene.scan(ExactScene::pose(x, y, 0.7), 180, 16, -1.2, 0.1, r, 0.02)};
+         spoil(s.scan, r);
+         return s;
+       }},
+      {"wide_window_of_coarse_cells",
+       with(
+           {{"resolution_m", 0.1},
+            {"window_m", 24},
+            {"object_size_m", 3.2},
+            {"feature_radius_m", 0.4},
+            {"fill_search_m", 6}}),
+       [](int i, Random& r)
+       {
+         ExactScene scene = yard_scene();
+         scene.profile = {{{-8, -0.5}}, {{-4, 0}}, {{8, 0}}, {{8.1, 0.3}}, {{12, 1.5}}};
+         const Pose T = ExactScene::pose(0.31 * i - 5, 0.1 * i - 1, 0.9);
+         return Step{scene.scan(T, 720, 48, -0.6, 0.15, r, 0.03)};
+       }},
+      {"saved_and_restored",
+       {},
+       [](int i, Random& r)
+       {
+         ExactScene scene = yard_scene();
+         scene.boxes.push_back(walker(3.5 - 0.1 * i, -0.8));
+         const Pose T = ExactScene::pose(0.07 * i, 0.03 * i, 0.7, 0.02 * i);
+         Step s{scene.scan(T, 360, 24, -0.7, 0.1, r, 0.02)};
+         s.restores = i % 7 == 3;
+         return s;
+       }},
+      // One looks down ahead of the robot, the other, beyond an eighth of the window behind its
+      // base, is level; both see a box that goes along with it.
+      {"two_sensors_on_a_base",
+       with_body({}, {{-0.7, -0.3, -0.3, 0.3, 0.1, 0.5}, {0.3, 0.6, -0.2, 0.2, 0.0, 0.3}}),
+       [](int i, Random& r)
+       {
+         const bool ahead = i % 2 == 0;
+         const double x = 0.06 * i, along = ahead ? 0.5 : -1.25;
+         ExactScene scene = yard_scene();
+         scene.boxes.push_back({{x - 0.6, -0.2, 0.2}, {x - 0.4, 0.2, 0.4}});
+         const double height = ahead ? 0.8 : 1.1, pitch = ahead ? 0.35 : 0;
+         const Pose T = ExactScene::pose(x + along, 0.1, height, 0, pitch);
+         Step s{scene.scan(T, 360, 24, -1.2, 0.2, r, 0.01)};
+         s.T_base_sensor = ExactScene::pose(along, 0.1, height, 0, pitch);
+         s.sensor = ahead ? 0 : 1;
+         s.restores = i % 11 == 4;
+         return s;
+       }}};
 }
 
 /** After every tenth frame of a world. */

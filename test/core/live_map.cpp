@@ -13,13 +13,7 @@ using namespace talus::test;
 namespace
 {
 const std::vector<Layer> kLayers{Layer::Traversability, Layer::Elevation, Layer::State};
-
-Parameters small_window()
-{
-  Parameters p;
-  p.window_m = 4;
-  return p;
-}
+const Parameters kSmallWindow = with({{"window_m", 4}});
 
 /** Frame `i` of a drive past a box, ten a second. */
 class Drive
@@ -52,17 +46,13 @@ Bits bits_of(const Map& map)
 
 bool same(const Bits& a, const Bits& b)
 {
-  for (std::size_t i = 0; i < a.size(); i++)
-    if (a[i].size() != b[i].size() ||
-        std::memcmp(a[i].data(), b[i].data(), a[i].size() * sizeof(float)) != 0)
-      return false;
-  return true;
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), same_bits);
 }
 
 /** The layers after each frame of a drive, [0] before the first. */
 std::vector<Bits> expected_bits(const Drive& drive)
 {
-  ElevationMapper map(small_window(), tested_backend());
+  ElevationMapper map(kSmallWindow, tested_backend());
   std::vector<Bits> expected{{}};
   for (int i = 0; i < drive.size(); i++)
   {
@@ -106,7 +96,7 @@ struct Watcher
 TEST(LiveMap, ShowsAScanWhenItsLastPartHasCome)
 {
   const Drive drive(1);
-  LiveMap map(small_window(), kLayers, tested_backend());
+  LiveMap map(kSmallWindow, kLayers, tested_backend());
   std::vector<std::uint64_t> shown;
   for (int i = 0; i <= 20; i++)
   {
@@ -127,37 +117,51 @@ TEST(LiveMap, ShowsAScanWhenItsLastPartHasCome)
   EXPECT_EQ(map.snapshot()->report.points_in, first.size);
 }
 
-TEST(FrameSequence, SaysHowAFrameStandsToThoseBefore)
+namespace
+{
+struct Stamp
+{
+  double stamp_s;
+  FrameOrder order;
+  std::uint32_t sensor = 0;
+};
+void expect_orders(const std::vector<Stamp>& stamps)
 {
   FrameSequence sequence(1.0);
-  EXPECT_EQ(sequence.next(100.0), FrameOrder::Newest);
-  EXPECT_EQ(sequence.next(100.1), FrameOrder::Newest);
-  EXPECT_EQ(sequence.next(100.1), FrameOrder::Duplicate);
-  EXPECT_EQ(sequence.next(100.0), FrameOrder::Late);
-  EXPECT_EQ(sequence.next(99.2), FrameOrder::Late);
-  EXPECT_EQ(sequence.next(100.2), FrameOrder::Newest);
-  EXPECT_EQ(sequence.next(99.1), FrameOrder::ClockSetBack);
-  EXPECT_EQ(sequence.next(99.2), FrameOrder::Newest);
+  for (const auto& [stamp_s, order, sensor] : stamps)
+    EXPECT_EQ(sequence.next(stamp_s, sensor), order) << stamp_s << " of sensor " << sensor;
+}
+constexpr FrameOrder kNewest = FrameOrder::Newest, kDuplicate = FrameOrder::Duplicate,
+                     kLate = FrameOrder::Late, kSetBack = FrameOrder::ClockSetBack;
+}  // namespace
+
+TEST(FrameSequence, SaysHowAFrameStandsToThoseBefore)
+{
+  expect_orders(
+      {{100.0, kNewest},
+       {100.1, kNewest},
+       {100.1, kDuplicate},
+       {100.0, kLate},
+       {99.2, kLate},
+       {100.2, kNewest},
+       {99.1, kSetBack},
+       {99.2, kNewest}});
 }
 
 TEST(FrameSequence, OneWrongStampInTheFutureCostsNothingButItself)
 {
-  FrameSequence sequence(1.0);
-  EXPECT_EQ(sequence.next(100.0), FrameOrder::Newest);
-  EXPECT_EQ(sequence.next(1e9), FrameOrder::Newest);
-  EXPECT_EQ(sequence.next(100.1), FrameOrder::ClockSetBack);
-  EXPECT_EQ(sequence.next(100.2), FrameOrder::Newest);
+  expect_orders({{100.0, kNewest}, {1e9, kNewest}, {100.1, kSetBack}, {100.2, kNewest}});
 }
 
 TEST(FrameSequence, JudgesEachSensorByItself)
 {
-  FrameSequence sequence(1.0);
-  EXPECT_EQ(sequence.next(100.0, 0), FrameOrder::Newest);
-  EXPECT_EQ(sequence.next(99.95, 1), FrameOrder::Newest);
-  EXPECT_EQ(sequence.next(100.0, 1), FrameOrder::Newest);
-  EXPECT_EQ(sequence.next(100.0, 0), FrameOrder::Duplicate);
-  EXPECT_EQ(sequence.next(99.98, 1), FrameOrder::Late);
-  EXPECT_EQ(sequence.next(50.0, 2), FrameOrder::Newest);
+  expect_orders(
+      {{100.0, kNewest, 0},
+       {99.95, kNewest, 1},
+       {100.0, kNewest, 1},
+       {100.0, kDuplicate, 0},
+       {99.98, kLate, 1},
+       {50.0, kNewest, 2}});
 }
 
 TEST(FrameSequence, RefusesWhatIsNoTime)
@@ -172,7 +176,7 @@ TEST(FrameSequence, RefusesWhatIsNoTime)
 TEST(LiveMap, FramesOfTwoSensorsMayComeInterleaved)
 {
   const Drive drive(6);
-  LiveMap live(small_window(), kLayers, tested_backend());
+  LiveMap live(kSmallWindow, kLayers, tested_backend());
   for (int i = 0; i < drive.size(); i++)
     for (const std::uint32_t sensor : {0u, 1u})
     {
@@ -190,7 +194,7 @@ TEST(LiveMap, DuplicatesAndLateFramesLeaveNoTrace)
 {
   const Drive drive(8);
   const auto expected = expected_bits(drive);
-  LiveMap map(small_window(), kLayers, tested_backend());
+  LiveMap map(kSmallWindow, kLayers, tested_backend());
   EXPECT_EQ(map.snapshot(), nullptr);
   for (int i = 0; i < drive.size(); i++)
   {
@@ -211,7 +215,7 @@ TEST(LiveMap, GoesOnWhenTheClockWasSetBack)
 {
   const Drive drive(4);
   const auto expected = expected_bits(drive);
-  LiveMap map(small_window(), kLayers, tested_backend());
+  LiveMap map(kSmallWindow, kLayers, tested_backend());
   for (int i = 0; i < drive.size(); i++)
   {
     Frame frame = drive[i];
@@ -226,7 +230,7 @@ TEST(LiveMap, GoesOnWhenTheClockWasSetBack)
 TEST(LiveMap, AFrameThatIsRefusedChangesNothing)
 {
   const Drive drive(2);
-  LiveMap map(small_window(), kLayers, tested_backend());
+  LiveMap map(kSmallWindow, kLayers, tested_backend());
   map.ingest(drive[0]);
   Frame broken = drive[1];
   broken.T_map_sensor.m[3] = std::nan("");
@@ -243,7 +247,7 @@ TEST(LiveMap, ASnapshotHasTheLayersThatWereAskedForAndStaysAsItIs)
 {
   const Drive drive(12);
   const auto expected = expected_bits(drive);
-  auto map = std::make_unique<LiveMap>(small_window(), kLayers, tested_backend());
+  auto map = std::make_unique<LiveMap>(kSmallWindow, kLayers, tested_backend());
   std::vector<std::shared_ptr<const MapSnapshot>> held;
   for (int i = 0; i < drive.size(); i++)
   {
@@ -264,7 +268,7 @@ TEST(LiveMap, GoesOnCountingWhenItWasClearedAndTakesFramesOfAnyTime)
 {
   const Drive drive(3);
   const auto expected = expected_bits(drive);
-  LiveMap map(small_window(), kLayers, tested_backend());
+  LiveMap map(kSmallWindow, kLayers, tested_backend());
   for (const int i : {0, 1, 2}) map.ingest(drive[i]);
   const auto held = map.snapshot();
   map.clear();
@@ -280,7 +284,7 @@ TEST(LiveMap, ReadersSeeWholeFramesWhileOthersComeIn)
 {
   const Drive drive(150);
   const auto expected = expected_bits(drive);
-  LiveMap map(small_window(), kLayers, tested_backend());
+  LiveMap map(kSmallWindow, kLayers, tested_backend());
   std::atomic<bool> go_on{true};
   std::atomic<int> wrong{0}, seen{0};
   const Watcher watcher{map, expected, drive, wrong, seen};
@@ -303,7 +307,7 @@ TEST(LiveMap, SeveralThreadsMayFeedIt)
 {
   const Drive drive(60);
   constexpr double kAnyTime_s = 1e3;  // a thread may be overtaken by any number of frames
-  LiveMap map(small_window(), kLayers, tested_backend(), 1, kAnyTime_s);
+  LiveMap map(kSmallWindow, kLayers, tested_backend(), 1, kAnyTime_s);
   std::atomic<int> next{0};
   const auto feed = [&]
   {

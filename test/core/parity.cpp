@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include "scene.h"
 #include "shuffle.h"
+#include "street.h"
 
 #include <talus/point_labels.h>
 
@@ -15,37 +16,6 @@ using namespace talus::test;
 
 namespace
 {
-/** Noise on the heights; here and there NaN, infinity or a zero-range return. */
-void spoil(Scan& s, Random& random)
-{
-  for (std::size_t k = 0; k < s.z_.size(); k++)
-  {
-    s.z_[k] += static_cast<float>(random.uniform(-0.02, 0.02));
-    const auto luck = random.bits() % 400;
-    if (luck == 0) s.x_[k] = std::nanf("");
-    if (luck == 1) s.y_[k] = INFINITY;
-    if (luck == 2) s.x_[k] = s.y_[k] = s.z_[k] = 0;
-  }
-}
-
-/** A wall, a table, a kerb, a post, a beam overhead, somebody who walks through it all, a
- * trailer that is drawn away, and a car with windows above its doors. */
-std::vector<Box> street(double walked_m)
-{
-  return {
-      {{2, 0.5, 0}, {2.3, 0.9, 0.5}},
-      {{4, -1, 0.75}, {4.6, 1, 0.8}},
-      {{1, -2, 0}, {9, -1.95, 1.0}},
-      {{5 - walked_m, 1.2, 0}, {5.4 - walked_m, 1.5, 1.4}},
-      {{3.02, -0.6, 0}, {3.06, -0.56, 1.2}},
-      {{6, -0.5, 0}, {6.5, 0.5, 0.08}},
-      {{7, -3, 0.35}, {7.2, 3, 0.45}},
-      {{-3, -3, -0.4}, {-2, 3, 0.05}},
-      {{4.5 - walked_m, -1.5, 0.2}, {5.3 - walked_m, -0.9, 0.55}},
-      {{1.5, 2, 0.2}, {3.5, 3, 0.75}},
-      {{1.8, 2.12, 0.75}, {3.2, 2.9, 1.3}}};
-}
-
 /** A map on the CPU and one on the device that are fed alike. */
 class Pair
 {
@@ -74,16 +44,13 @@ class Pair
   }
   void expect_same_bits(const std::vector<Layer>& layers) const
   {
-    for (const Layer l : layers)
-    {
-      expect_same_bits(cpu.layer(l), cuda.layer(l), layer_name(l));
-    }
+    for (const Layer l : layers) expect_same_bits(cpu.layer(l), cuda.layer(l), layer_name(l));
   }
   void expect_same_bits(
       const std::vector<float>& x, const std::vector<float>& y, const std::string& name) const
   {
-    ASSERT_EQ(std::memcmp(x.data(), y.data(), x.size() * sizeof(float)), 0)
-        << name << " differs after frame " << frames_ << ": " << first_difference(x, y);
+    ASSERT_TRUE(same_bits(x, y)) << name << " differs after frame " << frames_ << ": "
+                                 << first_difference(x, y);
   }
 
   ElevationMapper cpu, cuda;
@@ -99,22 +66,6 @@ class Pair
   }
   int frames_ = 0;
 };
-
-/** What is seen from a place in the street, partly spoilt. */
-Scan street_scan(double x_m, double y_m, double walked_m, int azimuths, int beams, Random& random)
-{
-  Scan s(x_m, y_m, 0.7);
-  s.cast(street(walked_m), azimuths, -0.6, 0.1, beams);
-  spoil(s, random);
-  return s;
-}
-
-Scan drive_frame(int i, Random& random)
-{
-  const double x_m = 0.031 * i, y_m = 0.4 * std::sin(0.05 * i);
-  if (i % 17 == 5) return Scan(x_m, y_m, 0.7);
-  return street_scan(x_m, y_m, 0.02 * i, 360, 24, random);
-}
 
 /** Turns and tilts the sensor; the points keep their coordinates in its frame. */
 void rotate(Scan& s, double yaw_rad, double pitch_rad)
@@ -279,10 +230,7 @@ TEST(Parity, ScansThatAreDeskewedAndNot)
 
 TEST(Parity, FramesThatGrowAndShrinkOnAWideMapWithOutputLayers)
 {
-  Parameters p;
-  p.window_m = 20.5;
-  p.feature_radius_m = 0.25;
-  Pair maps(p);
+  Pair maps(with({{"window_m", 20.5}, {"feature_radius_m", 0.25}}));
   maps.cuda.set_output_layers({Layer::Traversability, Layer::Elevation, Layer::State});
   Random noise(6);
   for (int i = 0; i < 15; i++)
@@ -292,9 +240,7 @@ TEST(Parity, FramesThatGrowAndShrinkOnAWideMapWithOutputLayers)
 
 TEST(Parity, AMapOfMillionsOfCellsWhoseLayersAreCopied)
 {
-  Parameters p;
-  p.window_m = 70;
-  Pair maps(p);
+  Pair maps(with({{"window_m", 70}}));
   maps.cuda.set_output_layers({Layer::Elevation, Layer::GroundElevation, Layer::Slope});
   Random noise(9);
   for (int i = 0; i < 2; i++)
@@ -305,13 +251,12 @@ TEST(Parity, TheWidestNeighbourhoodsOfObjectsAndFeaturesAndManySamples)
 {
   for (const double window_m : {8.0, 18.05, 27.0})  // pooled too, few cells and many
   {
-    Parameters p;
-    p.window_m = window_m;
-    p.object_size_m = 3.2;
-    p.feature_radius_m = 0.75;
-    p.fill_samples = 5;
-    p.fill_search_m = 6;
-    Pair maps(p);
+    Pair maps(with(
+        {{"window_m", window_m},
+         {"object_size_m", 3.2},
+         {"feature_radius_m", 0.75},
+         {"fill_samples", 5},
+         {"fill_search_m", 6}}));
     Random noise(11);
     for (int i = 0; i < 3; i++)
       ASSERT_NO_FATAL_FAILURE(maps.update(street_scan(0.15 * i, 0, 0.1 * i, 360, 24, noise)));
@@ -320,9 +265,7 @@ TEST(Parity, TheWidestNeighbourhoodsOfObjectsAndFeaturesAndManySamples)
 
 TEST(Parity, SmallWindowsJumpsAndOutputsThatChange)
 {
-  Parameters p;
-  p.window_m = 2.55;
-  Pair maps(p);
+  Pair maps(with({{"window_m", 2.55}}));
   Random noise(7);
   for (int i = 0; i < 40; i++)
   {
@@ -341,9 +284,7 @@ TEST(Parity, ADriveWithTwoFramesInFlightOnTheDevice)
 {
   for (const double window_m : {8.0, 26.0})  // layers written directly, and copied
   {
-    Parameters p;
-    p.window_m = window_m;
-    Pair maps(p);
+    Pair maps(with({{"window_m", window_m}}));
     const std::vector<Layer> layers{
         Layer::Elevation, Layer::GroundElevation, Layer::Traversability};
     maps.cuda.set_output_layers(layers);
@@ -368,9 +309,7 @@ TEST(Parity, CellsThatAreHandedOverWithFramesAndGivenBackOtherwise)
       offsetof(CellRecord, evidence) + CellRecord::kEvidenceBytes;  // without what pads it
   for (const double window_m : {8.0, 20.5})  // layers written directly, and copied
   {
-    Parameters p;
-    p.window_m = window_m;
-    Pair maps(p);
+    Pair maps(with({{"window_m", window_m}}));
     maps.cuda.set_output_layers({Layer::Elevation, Layer::State, Layer::Traversability});
     Random noise(17);
     for (int i = 0; i < 12; i++)

@@ -30,8 +30,7 @@ const Box kBox{{1.5, -0.4, 0}, {2.0, 0.4, 0.8}};
 TEST(PointLabels, TellGroundFromWhatStandsOnIt)
 {
   const Scan scan = Scan().cast({kBox});
-  TestMap m;
-  m.update(scan);
+  TestMap m(scan);
   const std::vector<PointLabel> labels = label_points(m.map, scan.frame());
   ASSERT_EQ(labels.size(), scan.z_.size());
   const Window w = m.map.window();
@@ -61,8 +60,7 @@ TEST(PointLabels, WhatIsHighUpHangs)
   Scan scan;
   scan.add_surface(-3, -3, 3, 3, flat);
   scan.add_surface(1, -1, 2, 1, level(1.5));  // above the sensor, and hit from below
-  TestMap m;
-  m.update(scan);
+  TestMap m(scan);
   const std::vector<PointLabel> labels = label_points(m.map, scan.frame());
   EXPECT_EQ(count(labels, PointLabel::Ground), 120u * 120u);
   EXPECT_EQ(count(labels, PointLabel::Hangs), 20u * 40u);
@@ -70,11 +68,7 @@ TEST(PointLabels, WhatIsHighUpHangs)
 
 TEST(PointLabels, WhatHangsAboveAnObjectIsNoPartOfIt)
 {
-  TestMap m;
-  Scan scan;
-  scan.add_surface(-3, -3, 3, 3, flat);
-  scan.add_surface(1, 1, 1.5, 1.5, level(0.4));
-  m.update(scan);
+  TestMap m(Scan().add_surface(-3, -3, 3, 3, flat).add_surface(1, 1, 1.5, 1.5, level(0.4)));
   EXPECT_EQ(label_at(m, 1.22, 1.22, 0.38), PointLabel::Stands);
   EXPECT_EQ(label_at(m, 1.22, 1.22, 0.55), PointLabel::Stands);
   EXPECT_EQ(label_at(m, 1.22, 1.22, 0.4 + 0.7), PointLabel::Hangs);
@@ -88,8 +82,7 @@ TEST(PointLabels, AnObjectOverGroundThatNobodySawStands)
   p.fill_search_m = 0.1;
   Scan scan;
   scan.add_surface(-3, -3, 3, -0.5, flat).add_surface(1, -0.3, 1.5, -0.1, level(0.9));
-  TestMap m(p);
-  m.update(scan);
+  TestMap m(scan, p);
   ASSERT_EQ(m.state(1.22, -0.18), CellState::Measured);
   const std::vector<PointLabel> labels = label_points(m.map, scan.frame());
   EXPECT_EQ(count(labels, PointLabel::Ground), 120u * 50u);
@@ -99,8 +92,7 @@ TEST(PointLabels, AnObjectOverGroundThatNobodySawStands)
 TEST(PointLabels, OfAnOlderFrameTellWhatHasLeftSince)
 {
   const Scan with = Scan().cast({kBox}), without = Scan().cast({});
-  TestMap m;
-  m.update(with);
+  TestMap m(with);
   const std::vector<PointLabel> then = label_points(m.map, with.frame());
   for (int i = 0; i < 4; i++) m.update(without);
   const std::vector<PointLabel> since = label_points(m.map, with.frame());
@@ -121,8 +113,7 @@ TEST(PointLabels, APersonWhoLeftHasLeftUpToTheHead)
   with.cast({{{1.5, -0.3, 0}, {1.9, 0.3, 1.6}}}, 720, -0.6, 0.5, 80);
   without.cast({}, 720, -0.6, 0.5, 80);
   for (Scan* s : {&with, &without}) s->add_surface(-2, -2, -1, -1, level(1.9));
-  TestMap m;
-  m.update(with);
+  TestMap m(with);
   for (int i = 0; i < 15; i++) m.update(without);
   const std::vector<PointLabel> labels = label_points(m.map, with.frame());
   std::size_t head = 0;
@@ -138,9 +129,8 @@ TEST(PointLabels, APersonWhoLeftHasLeftUpToTheHead)
 
 TEST(PointLabels, WhatIsHighUpWhereSomethingLeftLatelyDoesNotHang)
 {
-  const Scan with = Scan().cast({kBox}), without = Scan().cast({});
-  TestMap left, never;
-  left.update(with);
+  const Scan without = Scan().cast({});
+  TestMap left(Scan().cast({kBox})), never;
   for (int i = 0; i < 2; i++) left.update(without), never.update(without);
   EXPECT_EQ(label_at(left, 1.525, 0.025, 1.4), PointLabel::MovedAway);
   EXPECT_EQ(label_at(never, 1.525, 0.025, 1.4), PointLabel::Hangs);
@@ -148,8 +138,7 @@ TEST(PointLabels, WhatIsHighUpWhereSomethingLeftLatelyDoesNotHang)
 
 TEST(PointLabels, APointBelowTheGroundIsAReflection)
 {
-  TestMap m;
-  m.update(Scan().add_surface(-3, -3, 3, 3, flat));
+  TestMap m(Scan().add_surface(-3, -3, 3, 3, flat));
   EXPECT_EQ(label_at(m, 1, 1, -0.5), PointLabel::BelowGround);
   EXPECT_EQ(label_at(m, 1, 1, -0.05), PointLabel::Ground);  // noise
 }
@@ -158,8 +147,7 @@ TEST(PointLabels, AReflectionOfTheFrameItselfIsBelowTheGround)
 {
   const Scan floor = Scan().cast({});
   const Scan reflected = Scan(floor).add(2, 0.01, -0.5);
-  TestMap m;
-  m.update(floor);
+  TestMap m(floor);
   m.update(reflected);
   const std::vector<PointLabel> labels = label_points(m.map, reflected.frame());
   EXPECT_EQ(labels.back(), PointLabel::BelowGround);
@@ -171,8 +159,7 @@ TEST(PointLabels, SayWhatTheMapDoesNotTake)
   Parameters p;
   p.body_boxes_m = {{-0.5, 0.5, -0.3, 0.3, -1, 0.2}};
   p.max_range_m = 3.5;
-  TestMap m(p);
-  m.update(Scan().add_surface(-3, -3, 3, 3, flat));
+  TestMap m(Scan().add_surface(-3, -3, 3, 3, flat), p);
   EXPECT_EQ(label_at(m, NAN, 0, 0), PointLabel::NotTaken);
   EXPECT_EQ(label_at(m, 0, INFINITY, 0), PointLabel::NotTaken);
   EXPECT_EQ(label_at(m, 0, 0, 0.7), PointLabel::NotTaken);  // a zero-range return
@@ -223,8 +210,7 @@ TEST(PointLabels, FollowPosesThatClimb)
 
 TEST(PointLabels, TakeEachPointWhereTheSensorWasAtItsTime)
 {
-  TestMap m;
-  m.update(Scan().add_surface(-3, -3, 3, 3, flat).add_surface(2, 0, 2.5, 0.5, level(0.5)));
+  TestMap m(Scan().add_surface(-3, -3, 3, 3, flat).add_surface(2, 0, 2.5, 0.5, level(0.5)));
   const Scan scan = Scan().add(1.2, 0.2, 0.4).add(1.2, 0.2, 0.4).add(1.2, 0.2, 0);
   const std::vector<float> times{0, 0.1F, 0.1F};
   Frame frame = scan.frame();

@@ -100,10 +100,7 @@ TEST(Stage1Accept, BoxesOfTheBodyAreInTheFrameOfTheBaseForEverySensor)
 
 TEST(Stage1Accept, PointsFallIntoTheCellBelowThemOnBothSidesOfZero)
 {
-  Scan s(0, 0, 0.7);
-  s.add(0.051, -0.051, 0.01).add(-0.001, -0.001, 0.02).add(0.001, 0.001, 0.03);
-  TestMap m;
-  m.update(s);
+  TestMap m(Scan().add(0.051, -0.051, 0.01).add(-0.001, -0.001, 0.02).add(0.001, 0.001, 0.03));
   EXPECT_NEAR(m.ground(0.075, -0.075), 0.01f, 1e-6);
   EXPECT_NEAR(m.ground(-0.025, -0.025), 0.02f, 1e-6);
   EXPECT_NEAR(m.ground(0.025, 0.025), 0.03f, 1e-6);
@@ -116,8 +113,7 @@ TEST(Stage1Accept, ARotatedSensorIsTransformedByItsPose)
   s.x_ = {2};
   s.y_ = {0.5f};
   s.z_ = {-0.4f};
-  TestMap m;
-  m.update(s);
+  TestMap m(s);
   EXPECT_NEAR(m.ground(1 - 0.5 + 1e-3, 2 + 2 + 1e-3), 0.1f, 1e-6);
 }
 
@@ -255,9 +251,78 @@ TEST(Stage1Accept, WhatIsSeenFromBelowBuriesNothing)
 TEST(Stage1Accept, AMapThatDriftedAwayDoesNotBlindTheSensor)
 {
   // The pose sank by 0.3 m: all of the scan lies below the map, and none of it is a reflection.
-  TestMap m;
-  m.update(Scan(0, 0, 0.7).add_surface(1.0, -1.0, 3.0, 1.0, flat));
+  TestMap m(Scan(0, 0, 0.7).add_surface(1.0, -1.0, 3.0, 1.0, flat));
   const FrameReport r = m.update(Scan(0, 0, 0.4).add_surface(1.0, -1.0, 3.0, 1.0, level(-0.3)));
   EXPECT_EQ(rejected(r, Reject::Buried), 0u);
   EXPECT_NEAR(m.ground(2.025, 0.025), -0.3, 1e-3);
+}
+
+TEST(Stage1Uncertainty, AStillSensorGivesTheBeamModelOfEquation3)
+{
+  TestMap m(Scan().add(2.02, 1.01, 0.0), with({{"c_beam_m", 0.01}, {"a_beam", 0.002}}));
+  const double l = std::sqrt(2.02 * 2.02 + 1.01 * 1.01 + 0.7 * 0.7);
+  const double expected = std::pow(0.01 + 0.002 * l, 2);
+  EXPECT_NEAR(m.fused_variance(2.02, 1.01), expected, 1e-5 * expected);
+}
+
+TEST(Stage1Uncertainty, ATiltBetweenFramesAddsEquation4)
+{
+  TestMap m(Scan(), with({{"c_beam_m", 0.01}, {"a_beam", 0.0}, {"lambda_t", 1.5}}));
+  const double theta = 0.04;
+  Scan tilted(0, 0, 0.7);
+  tilted.pose_.m = {std::cos(theta),  0, std::sin(theta), 0,  0, 1, 0, 0,
+                    -std::sin(theta), 0, std::cos(theta), 0.7};
+  tilted.x_ = {2.0f};
+  tilted.y_ = {1.0f};
+  tilted.z_ = {-0.6f};
+  m.update(tilted);
+  const double l2 = 2 * 2 + 1 + 0.36;
+  const double expected = 1e-4 + std::pow(1.5 * std::sin(theta / 2), 2) * l2;
+  const double x = std::cos(theta) * 2 - std::sin(theta) * 0.6;
+  EXPECT_NEAR(m.fused_variance(x, 1.001), expected, 1e-4 * expected);
+}
+
+TEST(Stage1Uncertainty, AYawBetweenFramesAddsNothing)
+{
+  TestMap m(Scan(), with({{"c_beam_m", 0.01}, {"a_beam", 0.0}}));
+  Scan turned(0, 0, 0.7);
+  turned.pose_.m = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0.7};
+  turned.x_ = {2.01f};
+  turned.y_ = {1.01f};
+  turned.z_ = {-0.7f};
+  m.update(turned);
+  EXPECT_NEAR(m.fused_variance(-1.01, 2.01), 1e-4, 1e-9);
+}
+
+TEST(Stage1Uncertainty, EachSensorIsComparedWithItsOwnLastFrame)
+{
+  TestMap m(with({{"c_beam_m", 0.01}, {"a_beam", 0.0}}));
+  const double theta = 0.5;
+  Scan level(0, 0, 0.7), tilted(0, 0, 0.7);
+  tilted.pose_.m = {std::cos(theta),  0, std::sin(theta), 0,  0, 1, 0, 0,
+                    -std::sin(theta), 0, std::cos(theta), 0.7};
+  level.x_ = {2.01f};
+  level.y_ = {1.01f};
+  level.z_ = {-0.7f};
+  for (int i = 0; i < 2; i++)
+  {
+    m.map.update(level.frame());
+    Frame other = tilted.frame();
+    other.sensor = 3;
+    m.map.update(other);
+  }
+  EXPECT_LT(m.fused_variance(2.01, 1.01), 1.0001e-4);
+}
+
+TEST(Stage1Uncertainty, MoreSensorsThanAMapTellsApartAreRefused)
+{
+  TestMap m;
+  Frame f = Scan().frame();
+  for (f.sensor = 100; f.sensor < 164; f.sensor++) m.map.update(f);
+  const auto before = m.map.save();
+  const std::string said = error_of([&] { m.map.update(f); });
+  EXPECT_TRUE(contains(said, "more than 64 sensors")) << said;
+  EXPECT_EQ(m.map.save(), before);
+  f.sensor = 120;
+  EXPECT_NO_THROW(m.map.update(f));
 }

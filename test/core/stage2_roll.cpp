@@ -56,8 +56,7 @@ TEST(Stage2Roll, AnyWholeNumberOfCellsKeepsWhatStays)
   const int moves[][2] = {{1, 0}, {-1, 0}, {0, 3}, {5, -7}, {-80, 40}, {159, 159}, {-159, 0}};
   for (const auto& move : moves)
   {
-    TestMap m;
-    m.update(textured(0.02, 0.02));
+    TestMap m(textured(0.02, 0.02));
     std::array<std::vector<float>, 4> before;
     for (int l = 0; l < 4; l++)
       before[static_cast<std::size_t>(l)] = m.map.layer(static_cast<Layer>(l));
@@ -72,8 +71,7 @@ TEST(Stage2Roll, AnyWholeNumberOfCellsKeepsWhatStays)
 
 TEST(Stage2Roll, WhatEntersIsEmptyEvenWhenItWasSeenLongAgo)
 {
-  TestMap m;
-  m.update(textured(0, 0));
+  TestMap m(textured(0, 0));
   m.update(Scan(20, 0));
   m.update(Scan(0, 0));
   for (float v : m.map.layer(Layer::State)) EXPECT_EQ(v, 0.0f);
@@ -85,8 +83,7 @@ TEST(Stage2Roll, TheWindowFollowsFarFromTheOriginWithoutDrift)
   // 100 km out, in both directions, a point still falls into the cell that holds it.
   for (const double x : {1e5, -1e5})
   {
-    TestMap m;
-    m.update(Scan(x, -x).add(x + 1.026, -x + 1.026, 0.01));
+    TestMap m(Scan(x, -x).add(x + 1.026, -x + 1.026, 0.01));
     EXPECT_EQ(m.state(x + 1.026, -x + 1.026), CellState::Measured);
     EXPECT_LE(std::abs(m.map.window().min_x_m() + 4.0 - x), 0.05);
   }
@@ -120,12 +117,9 @@ TEST(Stage2Roll, OnTheLast10KmOf100NothingDriftsByABit)
   // In each step a column of cells at the front is measured, once. While the window rolls over it,
   // it must stay where it is and what it is. What adds up wrongly does so fastest far from the
   // origin.
-  Parameters p;
-  p.resolution_m = kCell_m;
-  p.window_m = 4;
   constexpr std::int64_t kStep_cells = 9, kSteps = 5556, kBegin_cells = 50000 * kStep_cells;
-  TestMap m(p);
-  const int n = p.cells();
+  TestMap m(with({{"resolution_m", kCell_m}, {"window_m", 4}}));
+  const int n = m.map.parameters().cells();
   std::int64_t wrong = 0, checked = 0;
   for (std::int64_t i = 0; i < kSteps; i++)
   {
@@ -153,9 +147,7 @@ TEST(Stage2Roll, TheWindowFollowsTheBaseWhereTheFrameTellsWhereTheSensorIs)
   TestMap m;
   Scan s(3.0, -1.0, 0.9);  // turned to the left, 0.4 m before the middle of the robot
   s.pose_.m = {0, -1, 0, 3.0, 1, 0, 0, -1.0, 0, 0, 1, 0.9};
-  Frame f = s.frame();
-  f.T_base_sensor = translation(0.4, 0.0, 0.9);
-  m.map.update(f);
+  m.update(s, translation(0.4, 0.0, 0.9));
   const Window w = m.map.window();
   EXPECT_NEAR(w.min_x_m() + w.cells / 2 * w.resolution_m, 3.0, 0.051);
   EXPECT_NEAR(w.min_y_m() + w.cells / 2 * w.resolution_m, -1.4, 0.051);
@@ -169,9 +161,7 @@ TEST(Stage2Roll, ASensorFarFromTheBaseMapsWhatIsInTheWindow)
     TestMap m;
     Scan s(ahead_m, 0, 0.7);
     s.add_surface(1.0, -1.0, 3.0, 1.0, flat).add_surface(2.0, 0.0, 2.1, 0.1, level(0.4));
-    Frame f = s.frame();
-    f.T_base_sensor = translation(ahead_m, 0, 0.7);
-    for (int i = 0; i < 4; i++) m.map.update(f);
+    for (int i = 0; i < 4; i++) m.update(s, translation(ahead_m, 0, 0.7));
     EXPECT_EQ(m.map.window().min_cell_x, -80) << ahead_m;
     EXPECT_NEAR(m.ground(1.525, 0.525), 0.0, 1e-3) << ahead_m;
     EXPECT_NEAR(m.elevation(2.025, 0.025), 0.4, 1e-3) << ahead_m;
@@ -181,14 +171,10 @@ TEST(Stage2Roll, ASensorFarFromTheBaseMapsWhatIsInTheWindow)
 TEST(Stage2Roll, WhereTheSensorIsOnTheRobotMustBeAPlaceOnARobot)
 {
   TestMap m;
-  Frame f = Scan().frame();
   Pose scaled = translation(0, 0, 0.7);
   scaled.m[0] = 2;
   for (const Pose& bad : {translation(std::nan(""), 0, 0), translation(2000, 0, 0), scaled})
-  {
-    f.T_base_sensor = bad;
-    EXPECT_THROW(m.map.update(f), std::invalid_argument);
-  }
+    EXPECT_THROW(m.update(Scan(), bad), std::invalid_argument);
   EXPECT_TRUE(m.map.empty());
 }
 
@@ -217,9 +203,7 @@ TEST(Stage2Follow, GrassThatStandsUpBehindTheRobotDoesNotRaiseTheMap)
     const double from_m = i == 0 ? -1 : 0;
     s.add_surface(from_m, -1, 4, 1, low).add_surface(from_m, -1, 4, 1, level(0.47));
     for (int k = 0; k < 8; k++) s.add_surface(x - 0.3, -0.3, x + 0.3, 0.3, level(0.38 + 0.01 * k));
-    Frame f = s.frame(0.1 * i);
-    f.T_base_sensor = translation(0, 0, 0.7);
-    m.map.update(f);
+    m.update(s, translation(0, 0, 0.7), 0.1 * i);
   }
   EXPECT_NEAR(m.ground(-0.525, 0.725), 0, 0.05) << "seen in the first frame only";
 }
@@ -232,9 +216,7 @@ TEST(Stage2Follow, WallsBesideTheRobotDoNotRaiseTheMap)
   for (int i = 0; i < 20; i++)
   {
     const Scan s = Scan(0.1 * i, 0, 0.68).cast({left, right}, 720, -0.26, 0.26, 16);
-    Frame f = s.frame(0.1 * i);
-    f.T_base_sensor = translation(0, 0, 0.68);
-    m.map.update(f);
+    m.update(s, translation(0, 0, 0.68), 0.1 * i);
   }
   EXPECT_NEAR(m.ground(1.925, 0.025), 0, 0.02) << "below the robot";
 }

@@ -7,7 +7,7 @@ using namespace talus::test;
 namespace
 {
 /** All points at one spot, so that range and with it the variance is nearly the same. */
-Scan column(std::initializer_list<double> heights)
+Scan column(const std::vector<double>& heights)
 {
   Scan s(0, 0, 0.7);
   for (double z : heights) s.add(2.025, 0.025, z);
@@ -24,8 +24,7 @@ constexpr double kX = 2.025, kY = 0.025;
 TEST(Stage3Update, PointsInsideTheGateFuseAsTheKalmanClosedForm)
 {
   const Parameters p;
-  TestMap m(p);
-  m.update(column({0.000, 0.010, 0.004}));
+  TestMap m(column({0.000, 0.010, 0.004}), p);
   m.update(column({0.006, -0.003}));
   double information = 0, sum = 0;
   for (double z : {0.000, 0.010, 0.004, 0.006, -0.003})
@@ -38,16 +37,34 @@ TEST(Stage3Update, PointsInsideTheGateFuseAsTheKalmanClosedForm)
   EXPECT_NEAR(m.fused_variance(kX, kY), 1 / information, 1e-4 / information);
 }
 
-TEST(Stage3Update, ElevationKeepsTheHighestAndGroundTheLowest)
+TEST(Stage3Update, ElevationKeepsTheHighestThatStandsAndGroundTheLowest)
 {
-  TestMap m;
-  m.update(column({0.0, 0.3, 0.5}));
-  EXPECT_NEAR(m.ground(kX, kY), 0.0, 1e-6);
-  EXPECT_NEAR(m.elevation(kX, kY), 0.5, 1e-6);
-  m.update(
-      column({0.3}));  // between the two: above the gate of the ground, below that of the elevation
-  EXPECT_NEAR(m.ground(kX, kY), 0.0, 1e-6);
-  EXPECT_NEAR(m.elevation(kX, kY), 0.5, 1e-6);
+  struct Case
+  {
+    const char* what;
+    std::vector<std::vector<double>> frames;
+    double ground_m, elevation_m;
+  };
+  const std::vector<Case> cases{
+      {"lowest and highest", {{0.0, 0.3, 0.5}}, 0.0, 0.5},
+      {"above the gate of the ground, below that of the top", {{0.0, 0.3, 0.5}, {0.3}}, 0.0, 0.5},
+      {"the top of a table in the frame of its floor", {{0.0, 0.72}}, 0.0, 0.0},
+      {"no gap above 0.6 m: one standing thing", {{0.0, 0.55, 1.1, 1.65}}, 0.0, 1.65},
+      {"above 0.3 m there are 0.65 m of air", {{0.0, 0.3, 0.95, 1.5}}, 0.0, 0.3},
+      {"an object without ground", {{0.75, 0.85}}, 0.75, 0.85},
+      {"it hangs, from below, once the ground is seen",
+       {{0.75, 0.85}, {0.0}, {0.75, 0.85}},
+       0.0,
+       0.0},
+      {"ground less than the clearance below an object", {{0.4, 0.5}, {0.0}}, 0.0, 0.5},
+      {"a post of which only the top is seen", {{0.0, 0.3, 0.6, 0.9, 1.2, 1.5}, {1.4}}, 0.0, 1.5}};
+  for (const Case& c : cases)
+  {
+    TestMap m;
+    for (const auto& heights : c.frames) m.update(column(heights));
+    EXPECT_NEAR(m.ground(kX, kY), c.ground_m, 1e-6) << c.what;
+    EXPECT_NEAR(m.elevation(kX, kY), c.elevation_m, 1e-6) << c.what;
+  }
 }
 
 TEST(Stage3Update, ALowerPointLeavesElevationAndItsVarianceAsTheyAre)
@@ -69,10 +86,7 @@ TEST(Stage3Update, ALowerPointLeavesElevationAndItsVarianceAsTheyAre)
 
 TEST(Stage3Update, TheVarianceHasAFloor)
 {
-  Parameters p;
-  p.min_variance_m2 = 1e-5;
-  TestMap m(p);
-  for (int i = 0; i < 100; i++) m.update(column({0.0, 0.001, -0.001}));
+  TestMap m(column({0.0, 0.001, -0.001}), with({{"min_variance_m2", 1e-5}}), 100);
   EXPECT_FLOAT_EQ(m.fused_variance(kX, kY), 1e-5f);
 }
 
@@ -94,33 +108,6 @@ TEST(Stage3Update, ATableTopAboveSeenGroundIsPassableAndALowBeamIsNot)
   }
 }
 
-TEST(Stage3Update, OneFrameWithGroundAndTableTopGivesTheSameAsTwo)
-{
-  TestMap m;
-  m.update(column({0.0, 0.72}));
-  EXPECT_NEAR(m.elevation(kX, kY), 0.0, 1e-6);
-}
-
-TEST(Stage3Update, TheClimbStopsAtTheFirstGapLargerThanTheClearance)
-{
-  TestMap joined, hanging;
-  joined.update(column({0.0, 0.55, 1.1, 1.65}));  // no gap above 0.6 m: one standing thing
-  hanging.update(column({0.0, 0.3, 0.95, 1.5}));  // above 0.3 m there are 0.65 m of air
-  EXPECT_NEAR(joined.elevation(kX, kY), 1.65, 1e-6);
-  EXPECT_NEAR(hanging.elevation(kX, kY), 0.3, 1e-6);
-}
-
-TEST(Stage3Update, AnObjectSeenBeforeTheGroundUnderItHangsOnceTheGroundIsSeen)
-{
-  TestMap m;
-  m.update(column({0.75, 0.85}));
-  EXPECT_NEAR(m.elevation(kX, kY), 0.85, 1e-6);
-  m.update(column({0.0}));
-  EXPECT_NEAR(m.ground(kX, kY), 0.0, 1e-6);
-  m.update(column({0.75, 0.85}));  // from below
-  EXPECT_NEAR(m.elevation(kX, kY), 0.0, 1e-6);
-}
-
 TEST(Stage3Update, WhatIsSeenFromAboveStandsOverSeenGroundUntilARayPassesBelowItAsHighAsTheRobot)
 {
   // A slab whose underside nobody saw: rays reach the ground below it, but all of them pass low.
@@ -131,8 +118,7 @@ TEST(Stage3Update, WhatIsSeenFromAboveStandsOverSeenGroundUntilARayPassesBelowIt
     s.add_surface(1.8, -0.4, 2.2, 0.4, level(0.9)).add_surface(1.8, -0.4, behind_m, 0.4, flat);
     return s;
   };
-  TestMap m;
-  m.update(Scan(0, 0, sensor_m).add_surface(1, -1, 4, 1, flat));
+  TestMap m(Scan(0, 0, sensor_m).add_surface(1, -1, 4, 1, flat));
   for (int frame = 0; frame < 3; frame++) m.update(slab(2.6));
   EXPECT_NEAR(m.ground(2.025, 0.025), 0.0, 1e-5);
   EXPECT_NEAR(m.elevation(2.025, 0.025), 0.9, 1e-5);
@@ -150,33 +136,13 @@ TEST(Stage3Update, WhatStoodOverAGuessHangsOnceTheFloorBelowItIsHit)
   // The floor is known on one side, so that the ground below the sign is a guess from there, and
   // what was hit high above it may be a wall. In the next frame a cell shows floor and sign.
   const auto sign = level(0.9);
-  TestMap m;
-  m.update(Scan(0, 0, 0.5).add_surface(0.5, -1, 2.0, 1, flat));
+  TestMap m(Scan(0, 0, 0.5).add_surface(0.5, -1, 2.0, 1, flat));
   m.update(Scan(0, 0, 0.5).add_surface(2.05, -0.5, 2.1, 0.5, sign));
   EXPECT_EQ(m.state(2.075, 0.025), CellState::FilledOneSided);
   EXPECT_NEAR(m.elevation(2.075, 0.025), 0.9, 1e-5);
-  Scan both;
-  both.add_surface(2.05, -0.5, 2.1, 0.5, sign).add_surface(2.05, -0.5, 2.1, 0.5, flat);
-  m.update(both);
+  m.update(Scan().add_surface(2.05, -0.5, 2.1, 0.5, sign).add_surface(2.05, -0.5, 2.1, 0.5, flat));
   EXPECT_NEAR(m.elevation(2.075, 0.025), 0.0, 1e-5);
   EXPECT_GT(m.traversability(2.075, 0.025), 0.99f);
-}
-
-TEST(Stage3Update, GroundFoundLessThanTheClearanceBelowAnObjectMakesItAnObstacle)
-{
-  TestMap m;
-  m.update(column({0.4, 0.5}));
-  m.update(column({0.0}));
-  EXPECT_NEAR(m.ground(kX, kY), 0.0, 1e-6);
-  EXPECT_NEAR(m.elevation(kX, kY), 0.5, 1e-6);
-}
-
-TEST(Stage3Update, AStandingPostSeenOnlyAtItsTopStillStands)
-{
-  TestMap m;
-  m.update(column({0.0, 0.3, 0.6, 0.9, 1.2, 1.5}));
-  m.update(column({1.4}));
-  EXPECT_NEAR(m.elevation(kX, kY), 1.5, 1e-6);
 }
 
 TEST(Stage3Update, AHitThatStandsAloneOverBareGroundCountsAfterTwoWithinAFewScans)
@@ -184,8 +150,7 @@ TEST(Stage3Update, AHitThatStandsAloneOverBareGroundCountsAfterTwoWithinAFewScan
   const auto flat_ground = Scan().add_surface(1.5, -0.5, 2.5, 0.5, flat);
   for (const int between : {0, 2, 4})
   {
-    TestMap m;
-    m.update(flat_ground);
+    TestMap m(flat_ground);
     for (int hit = 0; hit < 2; hit++)
     {
       m.update(Scan().add(kX, kY, 0.4));
@@ -202,8 +167,7 @@ TEST(Stage3Update, AHitIsAloneWithOneOtherBesideItAndNotWithTwo)
 {
   for (const int others : {1, 2})
   {
-    TestMap m;
-    m.update(Scan().add_surface(1.5, -0.5, 2.5, 0.5, flat));
+    TestMap m(Scan().add_surface(1.5, -0.5, 2.5, 0.5, flat));
     Scan hits;
     hits.add(kX, kY, 0.4);
     for (int i = 0; i < others; i++) hits.add(kX, kY + 0.05, 0.4 - 0.01 * i);

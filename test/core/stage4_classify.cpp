@@ -18,8 +18,7 @@ TEST(Stage4Classify, AOneSidedGuessIsRefilledWhenTheOtherSideIsSeen)
 
 TEST(Stage4Classify, AFillFollowsNearerDataAndKeepsItsStateWithoutAny)
 {
-  TestMap m;
-  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
+  TestMap m(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
   ASSERT_EQ(m.state(1.775, 0.025), CellState::FilledTwoSided);
   const float before = m.ground(1.775, 0.025);
   m.update(Scan());
@@ -31,8 +30,7 @@ TEST(Stage4Classify, AFillFollowsNearerDataAndKeepsItsStateWithoutAny)
 
 TEST(Stage4Classify, AReliableFillGivesWayToAMeasurement)
 {
-  TestMap m;
-  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
+  TestMap m(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
   m.update(Scan().add(1.775, 0.025, 0.04));
   EXPECT_EQ(m.state(1.775, 0.025), CellState::Measured);
   EXPECT_NEAR(m.ground(1.775, 0.025), 0.04, 1e-6);
@@ -40,12 +38,11 @@ TEST(Stage4Classify, AReliableFillGivesWayToAMeasurement)
 
 TEST(Stage4Classify, AWallWhoseFootWasNeverSeenGetsTheGroundBesideIt)
 {
-  TestMap m;
-  Scan s;
-  s.add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.1, -1, 3.0, 1, flat);
-  s.add_surface(2.0, -1, 2.1, 1, level(0.4));
-  s.add_surface(2.0, -1, 2.1, 1, level(0.9));
-  m.update(s);
+  TestMap m(Scan()
+                .add_surface(1.0, -1, 2.0, 1, flat)
+                .add_surface(2.1, -1, 3.0, 1, flat)
+                .add_surface(2.0, -1, 2.1, 1, level(0.4))
+                .add_surface(2.0, -1, 2.1, 1, level(0.9)));
   EXPECT_NEAR(m.ground(2.025, 0.025), 0.0, 1e-5);
   EXPECT_NEAR(m.elevation(2.025, 0.025), 0.9, 1e-5);
   EXPECT_NE(m.state(2.025, 0.025), CellState::Measured);
@@ -71,11 +68,11 @@ TEST(Stage4Classify, TheLowestHitOnAFaceIsNoGroundWhereBareFloorIsInReach)
 
 TEST(Stage4Classify, WhatStandsOnTheEdgeOfAPlatformStandsOnThePlatform)
 {
-  TestMap m;
-  Scan s;
-  s.add_surface(0.5, -1, 2.0, 1, flat).add_surface(2.0, -1, 3.5, 1, level(0.4));
-  s.add_surface(2.0, -1, 2.1, 1, level(0.8)).add_surface(2.0, -1, 2.1, 1, level(1.2));
-  m.update(s);
+  TestMap m(Scan()
+                .add_surface(0.5, -1, 2.0, 1, flat)
+                .add_surface(2.0, -1, 3.5, 1, level(0.4))
+                .add_surface(2.0, -1, 2.1, 1, level(0.8))
+                .add_surface(2.0, -1, 2.1, 1, level(1.2)));
   EXPECT_EQ(m.state(2.025, 0.025), CellState::Measured);
   EXPECT_NEAR(m.ground(2.025, 0.025), 0.4, 1e-5);
   EXPECT_NEAR(m.elevation(2.025, 0.025), 1.2, 1e-5);
@@ -101,9 +98,7 @@ TEST(Stage4Classify, ABranchSeenBeforeTheGroundAroundItEndsPassable)
   const auto branch = level(0.9);
   m.update(Scan().add_surface(2.0, -0.05, 2.1, 0.05, branch));
   EXPECT_NEAR(m.ground(2.025, 0.025), 0.9, 1e-5);
-  Scan around;
-  around.add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.1, -1, 3.0, 1, flat);
-  m.update(around);
+  m.update(Scan().add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.1, -1, 3.0, 1, flat));
   EXPECT_NEAR(m.ground(2.025, 0.025), 0.0, 1e-5);
   // It is seen again, from below, over ground that rays passed low.
   m.update(Scan().add_surface(2.0, -0.05, 2.1, 0.05, branch));
@@ -153,9 +148,8 @@ TEST(Stage4Classify, ASteepButSmoothSlopeIsGroundEverywhere)
 {
   TestMap m;
   const double tangent = std::tan(30 * M_PI / 180);
-  Scan s(0, 0, 0.3);
-  s.add_surface(-1, -1, 1, 1, [&](double x, double) { return tangent * x; });
-  m.update(s);
+  m.update(
+      Scan(0, 0, 0.3).add_surface(-1, -1, 1, 1, [&](double x, double) { return tangent * x; }));
   for (double x = -0.975; x < 1; x += 0.05) EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << x;
 }
 
@@ -163,10 +157,9 @@ TEST(Stage4Classify, ABankSteeperThanTheRobotClimbsIsGroundToo)
 {
   TestMap m;
   const double tangent = std::tan(42 * M_PI / 180);
-  Scan s(0, 0, 0.7);
-  s.add_surface(0, -1, 2, 1, flat);
-  s.add_surface(2, -1, 3, 1, [&](double x, double) { return tangent * (x - 2); });
-  m.update(s);
+  m.update(Scan()
+               .add_surface(0, -1, 2, 1, flat)
+               .add_surface(2, -1, 3, 1, [&](double x, double) { return tangent * (x - 2); }));
   for (double x = 2.025; x < 3; x += 0.05) EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << x;
   for (double x = 2.075; x < 2.9; x += 0.05) EXPECT_EQ(m.traversability(x, 0.525), 0.0f) << x;
 }
@@ -176,11 +169,9 @@ TEST(Stage4Classify, TheEdgeOfAPlatformOnWhichTheRobotStandsIsGround)
   // In pairs of cells the edge may share one with the floor, or not.
   for (const double edge_m : {2.0, 2.05})
   {
-    TestMap m;
-    Scan s(3, 0, 1.0);
-    s.add_surface(0, -1, edge_m, 1, flat);
-    s.add_surface(edge_m, -1, 4, 1, level(0.3));
-    m.update(s);
+    TestMap m(Scan(3, 0, 1.0)
+                  .add_surface(0, -1, edge_m, 1, flat)
+                  .add_surface(edge_m, -1, 4, 1, level(0.3)));
     for (double x = edge_m + 0.025; x < 3; x += 0.05)
     {
       EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << edge_m << " at " << x;
@@ -192,12 +183,12 @@ TEST(Stage4Classify, TheEdgeOfAPlatformOnWhichTheRobotStandsIsGround)
 TEST(Stage4Classify, ABridgeIsGround)
 {
   const auto low = level(-0.6);
-  TestMap m;
-  Scan s;
-  s.add_surface(-2, -2.5, 1, 2.5, flat).add_surface(2.2, -2.5, 4, 2.5, flat);
-  s.add_surface(1, -2.5, 2.2, -0.5, low).add_surface(1, 0.5, 2.2, 2.5, low);
-  s.add_surface(1, -0.5, 2.2, 0.5, flat);
-  m.update(s);
+  TestMap m(Scan()
+                .add_surface(-2, -2.5, 1, 2.5, flat)
+                .add_surface(2.2, -2.5, 4, 2.5, flat)
+                .add_surface(1, -2.5, 2.2, -0.5, low)
+                .add_surface(1, 0.5, 2.2, 2.5, low)
+                .add_surface(1, -0.5, 2.2, 0.5, flat));
   for (double y = -0.375; y < 0.4; y += 0.05)
   {
     EXPECT_EQ(m.state(1.625, y), CellState::Measured) << y;
@@ -282,4 +273,90 @@ TEST(Stage4Classify, AWallAtTheWindowsBorderIsNoGround)
     EXPECT_NE(m.state(0.525, 3.925), CellState::Measured) << lowest_m;
     EXPECT_NEAR(m.ground(0.525, 3.925), 0.0, 1e-5) << lowest_m;
   }
+}
+
+namespace
+{
+/** The floor around the robot, and a platform of 0.3 m that begins at x = 1; behind y = -0.5 a ramp
+ * leads up to it, or nothing. */
+Scan platform(bool ramp)
+{
+  const auto height = [](double x, double y) {
+    return y < -0.5 ? std::clamp(0.2 * (x - 0.2), 0.0, 0.3) : x < 1 ? 0.0 : 0.3;
+  };
+  return Scan().add_surface(-1, ramp ? -2.5 : -0.5, 3.9, 2.5, height);
+}
+}  // namespace
+
+TEST(Stage4Reach, TheTopOfABoxIsNoGroundThoughNothingBesideOrBehindItWasSeen)
+{
+  TestMap m(Scan().add_surface(-1, -2, 2, 2, flat).add_surface(2, -0.8, 2.5, 0.8, level(0.8)));
+  for (double x = 2.025; x < 2.5; x += 0.05)
+  {
+    EXPECT_EQ(m.traversability(x, 0.025), 0.0f) << x;
+    EXPECT_NEAR(m.elevation(x, 0.025), 0.8, 1e-5) << x;
+    EXPECT_LT(m.ground(x, 0.025), 0.1) << x;
+  }
+  EXPECT_GT(m.traversability(1.525, 0.025), 0.99f) << "the floor before it";
+}
+
+TEST(Stage4Reach, TheFloorBehindAWallIsGroundThoughNoWayLeadsThere)
+{
+  TestMap m;
+  Scan s;
+  s.add_surface(-1, -4, 2, 4, flat).add_surface(2.1, -4, 3.5, 4, flat);
+  for (const double z : {0.5, 1.0}) s.add_surface(2, -4, 2.1, 4, level(z));
+  m.update(s);
+  EXPECT_EQ(m.state(3.025, 0.025), CellState::Measured);
+  EXPECT_GT(m.traversability(3.025, 0.025), 0.99f);
+  EXPECT_EQ(m.traversability(2.025, 0.025), 0.0f);
+  EXPECT_EQ(m.at(Layer::Reached, 1.025, 0.025), 1.0f);
+  EXPECT_EQ(m.at(Layer::Reached, 3.025, 0.025), 0.0f) << "free, and shown as not reached";
+  EXPECT_TRUE(std::isnan(m.at(Layer::Reached, -3.5, 0.025))) << "not known";
+}
+
+TEST(Stage4Reach, APlatformWithARampIsGroundUpToItsEdge)
+{
+  TestMap m(platform(true));
+  for (double x = 1.025; x < 3; x += 0.05)
+  {
+    EXPECT_EQ(m.state(x, 1.525), CellState::Measured) << x;
+    EXPECT_NEAR(m.ground(x, 1.525), 0.3, 1e-5) << x;
+  }
+  EXPECT_GT(m.traversability(2.025, 1.525), 0.99f);
+}
+
+TEST(Stage4Reach, ATerraceThatNoWayLeadsToIsGround)
+{
+  TestMap m(platform(false));
+  for (const double x : {1.525, 3.025})
+  {
+    EXPECT_EQ(m.state(x, 1.525), CellState::Measured) << x;
+    EXPECT_NEAR(m.ground(x, 1.525), 0.3, 1e-5) << x;
+  }
+}
+
+TEST(Stage4Reach, AWayThatIsSeenLaterLeadsToThePlatform)
+{
+  TestMap m(platform(false));
+  // The first frame shows what is passable, and the next one where that leads to.
+  for (int i = 0; i < 3; i++) m.update(platform(true));
+  EXPECT_EQ(m.state(1.325, 1.525), CellState::Measured);
+  EXPECT_GT(m.traversability(1.525, 1.525), 0.99f);
+}
+
+TEST(Stage4Reach, AGuessBetweenTheFloorAndTheTopOfABoxLeadsNowhere)
+{
+  // A high scanner of 16 beams sees the top first, and the floor around it from farther on.
+  TestMap m(with({{"window_m", 16}}));
+  const std::vector<Box> box{{{3.5, 1.1, 0}, {4.5, 2.1, 0.6}}};
+  for (int i = 0; i < 110; i++)
+  {
+    const Scan s = Scan(0.1 * i, 0, 1.5).cast(box, 900, -0.2618, 0.2618, 16);
+    m.update(s, translation(0, 0, 1.5), 0.1 * i);
+  }
+  int free = 0;
+  for (double x = 3.525; x < 4.5; x += 0.05)
+    for (double y = 1.125; y < 2.1; y += 0.05) free += m.traversability(x, y) > 0;
+  EXPECT_LE(free, 20) << "of 400";
 }

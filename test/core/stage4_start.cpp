@@ -17,19 +17,17 @@ Scan sixteen_beams(const std::vector<Box>& boxes = {}, double x_m = 0, double fl
   return Scan(x_m, 0, floor_m + kSensor_m).cast(boxes, 1800, -kLowest_rad, kLowest_rad, 16);
 }
 
-Frame with_base(const Scan& scan)
+const Pose kOnRobot = translation(0, 0, kSensor_m);
+
+/** A map after the first frame of a robot. */
+TestMap started(const Scan& scan, const Parameters& p = {})
 {
-  Frame f = scan.frame();
-  f.T_base_sensor = translation(0, 0, kSensor_m);
-  return f;
+  TestMap m(p);
+  m.update(scan, kOnRobot);
+  return m;
 }
 
-Parameters with_radius(double radius_m)
-{
-  Parameters p;
-  p.start_radius_m = radius_m;
-  return p;
-}
+Parameters with_radius(double radius_m) { return with({{"start_radius_m", radius_m}}); }
 
 const Box kBox{{1.0, -0.25, 0}, {1.5, 0.25, 0.8}};
 
@@ -53,8 +51,7 @@ long unknown_within(const TestMap& m, double radius_m)
 
 TEST(Stage4Start, WhatTheScannerLooksOverIsKnownAndFreeAfterTheFirstFrame)
 {
-  TestMap m;
-  m.map.update(with_base(sixteen_beams()));
+  TestMap m = started(sixteen_beams());
   around(
       kFirstRing_m - 0.15,
       [&](double x, double y)
@@ -69,8 +66,7 @@ TEST(Stage4Start, WhatTheScannerLooksOverIsKnownAndFreeAfterTheFirstFrame)
 
 TEST(Stage4Start, WhatIsHitThereStandsAndNothingIsPresumedBehindIt)
 {
-  TestMap m;
-  m.map.update(with_base(sixteen_beams({kBox})));
+  TestMap m = started(sixteen_beams({kBox}));
   for (const double y : {-0.175, 0.025, 0.175})
   {
     EXPECT_EQ(m.traversability(1.025, y), 0.0f) << y;
@@ -83,8 +79,7 @@ TEST(Stage4Start, WhatIsHitThereStandsAndNothingIsPresumedBehindIt)
 
 TEST(Stage4Start, OfRadiusZeroOnlyWhatTheRobotStandsOnIsKnown)
 {
-  TestMap m(with_radius(0));
-  m.map.update(with_base(sixteen_beams()));
+  TestMap m = started(sixteen_beams(), with_radius(0));
   EXPECT_EQ(m.state(0.175, 0.025), CellState::Presumed);
   EXPECT_EQ(m.state(0.375, 0.025), CellState::Unknown);
   EXPECT_EQ(m.state(1.525, 0.025), CellState::FilledOneSided);
@@ -92,8 +87,7 @@ TEST(Stage4Start, OfRadiusZeroOnlyWhatTheRobotStandsOnIsKnown)
 
 TEST(Stage4Start, ARadiusThatIsToldIsADiscInEachDirection)
 {
-  TestMap m(with_radius(1.7));
-  m.map.update(with_base(sixteen_beams({kBox})));
+  TestMap m = started(sixteen_beams({kBox}), with_radius(1.7));
   for (const double x : {1.625, -1.625}) EXPECT_EQ(m.state(x, 0.025), CellState::Presumed) << x;
   for (const double x : {1.775, -1.775}) EXPECT_NE(m.state(x, 0.025), CellState::Presumed) << x;
   EXPECT_EQ(m.traversability(1.025, 0.025), 0.0f);
@@ -101,10 +95,9 @@ TEST(Stage4Start, ARadiusThatIsToldIsADiscInEachDirection)
 
 TEST(Stage4Start, AFrameThatDoesNotTellWhereTheBaseIsPresumesNothing)
 {
-  TestMap m;
-  m.update(sixteen_beams());
+  TestMap m(sixteen_beams());
   EXPECT_GT(unknown_within(m, 0.4), 100);
-  m.map.update(with_base(sixteen_beams()));  // that is not the first frame
+  m.update(sixteen_beams(), kOnRobot);  // that is not the first frame
   EXPECT_NE(m.state(1.525, 0.025), CellState::Presumed);
 }
 
@@ -113,11 +106,9 @@ TEST(Stage4Start, ThePlaneIsInclinedAsTheBaseIs)
   constexpr double pitch = 0.1;
   const double c = std::cos(pitch), s = std::sin(pitch);
   TestMap m(with_radius(1));
-  const Scan scan = sixteen_beams();
-  Frame f = scan.frame();
-  f.T_base_sensor = Pose{};
-  f.T_base_sensor->m = {c, 0, -s, -s * kSensor_m, 0, 1, 0, 0, s, 0, c, c * kSensor_m};
-  m.map.update(f);
+  Pose inclined;
+  inclined.m = {c, 0, -s, -s * kSensor_m, 0, 1, 0, 0, s, 0, c, c * kSensor_m};
+  m.update(sixteen_beams(), inclined);
   for (const double x : {-0.775, 0.775})
   {
     EXPECT_EQ(m.state(x, 0.025), CellState::Presumed) << x;
@@ -128,8 +119,7 @@ TEST(Stage4Start, ThePlaneIsInclinedAsTheBaseIs)
 TEST(Stage4Start, NothingIsPresumedTowardsADropOff)
 {
   const Box platform{{-5, -5, 0}, {1, 5, 1}};
-  TestMap m;
-  m.map.update(with_base(sixteen_beams({platform}, 0, 1)));
+  TestMap m = started(sixteen_beams({platform}, 0, 1));
   for (const double x : {1.225, 1.775, 2.325})
     EXPECT_NE(m.state(x, 0.025), CellState::Presumed) << x;
   EXPECT_EQ(m.state(-1.775, 0.025), CellState::Presumed);
@@ -139,8 +129,7 @@ TEST(Stage4Start, NothingIsPresumedTowardsADropOff)
 TEST(Stage4Start, ADropOffGoesOnBesideWhereItIsSeen)
 {
   const Box behind{{-5, -5, 0}, {1.2, 5, 1}}, left{{1.2, 0.4, 0}, {8, 5, 1}};
-  TestMap m;
-  m.map.update(with_base(sixteen_beams({behind, left}, 0, 1)));
+  TestMap m = started(sixteen_beams({behind, left}, 0, 1));
   EXPECT_NE(m.state(1.525, 0.425), CellState::Presumed);
   EXPECT_EQ(m.state(1.525, 1.525), CellState::Presumed);
 }
@@ -149,18 +138,15 @@ TEST(Stage4Start, NothingIsPresumedWhereGroundIsSeenTooFarAway)
 {
   constexpr double height_m = 1.2;  // its lowest beam meets the floor after 4.5 m
   const Scan scan = Scan(0, 0, height_m).cast({}, 1800, -kLowest_rad, kLowest_rad, 16);
-  Frame f = scan.frame();
-  f.T_base_sensor = translation(0, 0, height_m);
   TestMap m;
-  m.map.update(f);
+  m.update(scan, translation(0, 0, height_m));
   EXPECT_NE(m.state(1.525, 0.025), CellState::Presumed);
   EXPECT_EQ(m.state(0.575, 0.025), CellState::Presumed);
 }
 
 TEST(Stage4Start, PresumedGroundGivesWayToMeasurementsAndToRaysBelowIt)
 {
-  TestMap m;
-  m.map.update(with_base(sixteen_beams()));
+  TestMap m = started(sixteen_beams());
   m.update(Scan().add(1.525, 0.025, -0.04));
   EXPECT_EQ(m.state(1.525, 0.025), CellState::Measured);
   EXPECT_NEAR(m.ground(1.525, 0.025), -0.04, 1e-5);
@@ -174,24 +160,23 @@ TEST(Stage4Start, PresumedGroundGivesWayToMeasurementsAndToRaysBelowIt)
 TEST(Stage4Start, ASavedMapKeepsWhatWasPresumedAndStartsNoOther)
 {
   TestMap m, restored;
-  m.map.update(with_base(sixteen_beams()));
+  m.update(sixteen_beams(), kOnRobot);
   restored.map.restore(m.map.save());
   EXPECT_EQ(restored.state(1.525, 0.025), CellState::Presumed);
   EXPECT_EQ(restored.map.save(), m.map.save());
   TestMap none, restored_none;
   none.update(sixteen_beams());
   restored_none.map.restore(none.map.save());
-  restored_none.map.update(with_base(sixteen_beams()));
+  restored_none.update(sixteen_beams(), kOnRobot);
   EXPECT_NE(restored_none.state(1.525, 0.025), CellState::Presumed);
 }
 
 TEST(Stage4Start, AnotherFloorStartsAnew)
 {
   const Box upper{{-20, -20, 2.9}, {20, 20, 3}};
-  TestMap m;
-  m.map.update(with_base(sixteen_beams()));
+  TestMap m = started(sixteen_beams());
   ASSERT_NEAR(m.ground(1.525, 0.025), 0, 1e-5);
-  for (int frame = 0; frame < 2; frame++) m.map.update(with_base(sixteen_beams({upper}, 0, 3)));
+  for (int frame = 0; frame < 2; frame++) m.update(sixteen_beams({upper}, 0, 3), kOnRobot);
   EXPECT_EQ(m.state(1.525, 0.025), CellState::Presumed);
   EXPECT_NEAR(m.ground(1.525, 0.025), 3, 1e-4);
   EXPECT_GT(m.traversability(1.525, 0.025), 0.99f);
@@ -200,14 +185,14 @@ TEST(Stage4Start, AnotherFloorStartsAnew)
 TEST(Stage4Underfoot, WhatTheRobotDrivesOverIsKnownAlsoWhereNothingMeasuredIt)
 {
   TestMap m(with_radius(0));
-  for (const double x : {0.0, 0.2, 0.4}) m.map.update(with_base(sixteen_beams({}, x)));
+  for (const double x : {0.0, 0.2, 0.4}) m.update(sixteen_beams({}, x), kOnRobot);
   for (const double x : {-0.175, 0.025, 0.375, 0.575})
   {
     EXPECT_EQ(m.state(x, 0.025), CellState::Presumed) << x;
     EXPECT_GT(m.traversability(x, 0.025), 0.99f) << x;
   }
   m.update(Scan(0.4).add(0.375, 0.025, 0.03));
-  m.map.update(with_base(sixteen_beams({}, 0.4)));
+  m.update(sixteen_beams({}, 0.4), kOnRobot);
   EXPECT_EQ(m.state(0.375, 0.025), CellState::Measured);
 }
 
@@ -218,8 +203,8 @@ TEST(Stage4Underfoot, WhatIsAsHighAsWhatTheRobotJustDroveThroughIsDrivenThroughT
   m.update(Scan(-2, 0, kSensor_m)
                .add_surface(-0.4, -0.4, 0.4, 0.4, grass)
                .add_surface(0.4, -1, 1, 1, flat));
-  m.map.update(with_base(sixteen_beams()));  // through grass
-  m.map.update(with_base(sixteen_beams({}, 0.7)));  // beside it
+  m.update(sixteen_beams(), kOnRobot);  // through grass
+  m.update(sixteen_beams({}, 0.7), kOnRobot);  // beside it
   m.update(Scan(-2, 0, kSensor_m)
                .add_surface(0.6, -0.1, 0.8, 0.1, grass)
                .add_surface(0.6, 0.5, 0.8, 0.7, grass));
@@ -234,8 +219,7 @@ TEST(Stage4Underfoot, WhatStandsBelowAMirrorThatPassesOverItStaysAsItIs)
   mirror.body_boxes_m = {{-0.3, 0.3, 0.35, 1, 0.5, 0.7}};  // passes above what is parked
   TestMap with(mirror), without;
   for (int frame = 0; frame < 14; frame++)
-    for (TestMap* m : {&with, &without})
-      m->map.update(with_base(sixteen_beams({parked}, 0.2 * frame)));
+    for (TestMap* m : {&with, &without}) m->update(sixteen_beams({parked}, 0.2 * frame), kOnRobot);
   EXPECT_NEAR(with.elevation(1.325, 0.425), 0.4, 0.1);
   EXPECT_LT(with.traversability(1.325, 0.425), 0.05f);
   EXPECT_EQ(with.map.save(), without.map.save());

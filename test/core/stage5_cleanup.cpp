@@ -8,13 +8,7 @@ using namespace talus::test;
 
 namespace
 {
-/** For many frames of what stands near. */
-Parameters near_window()
-{
-  Parameters p;
-  p.window_m = 5;
-  return p;
-}
+const Parameters kNearWindow = with({{"window_m", 5}});  //!< for many frames of what stands near
 
 /** A box of 0.3 m that stands at a distance in a direction given in degrees. */
 Box box_at(double distance_m, double direction_deg, double height_m = 0.6, double half_m = 0.15)
@@ -96,10 +90,7 @@ TEST(Stage5Cleanup, TheNumberOfFramesThatMustSeeThroughIsAParameter)
 {
   for (const int frames : {1, 2, 4})
   {
-    Parameters p;
-    p.cleanup_frames = frames;
-    TestMap m(p);
-    m.update(Scan().cast({box_at(2.2, 30)}));
+    TestMap m(Scan().cast({box_at(2.2, 30)}), with({{"cleanup_frames", frames}}));
     int needed = 0;
     while (cells_above(m, 0.05) > 0 && needed < 20)
     {
@@ -125,7 +116,7 @@ TEST(Stage5Cleanup, ARailingThatIsHitAndSeenThroughIsNotEaten)
 TEST(Stage5Cleanup, ABenchIsNotClearedByTheRaysThatPassBelowIt)
 {
   const Box bench{{1.5, -0.4, 0.36}, {1.9, 0.4, 0.41}};
-  TestMap m(near_window());
+  TestMap m(kNearWindow);
   for (int i = 0; i < 3; i++) m.update(Scan(0, 0, 0.4).cast({bench}));
   ASSERT_GT(m.elevation(1.525, 0.025), 0.3f);
   // From now on the beams miss it, above and below.
@@ -137,8 +128,7 @@ TEST(Stage5Cleanup, ABenchIsNotClearedByTheRaysThatPassBelowIt)
 TEST(Stage5Cleanup, WhatHasAirBelowItIsGoneWhenRaysGoOnAboveItsUnderside)
 {
   const Box trailer{{1.8, -0.4, 0.2}, {2.4, 0.4, 0.55}};
-  TestMap m;
-  for (int i = 0; i < 5; i++) m.update(Scan().cast({trailer}));
+  TestMap m(Scan().cast({trailer}), {}, 5);
   ASSERT_GT(m.elevation(1.825, 0.025), 0.4f);
   ASSERT_EQ(m.traversability(1.825, 0.025), 0.0f);
   for (int i = 0; i < 2; i++) m.update(Scan().cast({}));
@@ -163,8 +153,7 @@ TEST(Stage5Cleanup, RaysBelowAnUndersideDoNotTellThatItLeft)
 {
   // From now on no beam aims above the underside.
   const Box trailer{{1.8, -0.4, 0.3}, {2.4, 0.4, 0.6}};
-  TestMap m;
-  for (int i = 0; i < 5; i++) m.update(Scan().cast({trailer}));
+  TestMap m(Scan().cast({trailer}), {}, 5);
   for (int i = 0; i < 50; i++) m.update(Scan().cast({}, 720, -0.6, -0.24));
   EXPECT_GT(m.elevation(1.825, 0.025), 0.4f);
 }
@@ -192,12 +181,7 @@ TEST(Stage5Cleanup, WhatStandsWhereTheRobotDroveLeavesInItsOwnShadowAndAWallBesi
   const Box nearer{{0.6, -0.6, 0}, {0.7, 1.4, 0.6}};  // hides both
   TestMap m;
   const auto drive = [&m](double x_m, const std::vector<Box>& boxes)
-  {
-    const Scan scan = Scan(x_m, 0, 0.7).cast(boxes);
-    Frame f = scan.frame();
-    f.T_base_sensor = translation(0, 0, 0.7);
-    m.map.update(f);
-  };
+  { m.update(Scan(x_m, 0, 0.7).cast(boxes), translation(0, 0, 0.7)); };
   drive(0, {wall});
   for (int i = 0; i < 5; i++) drive(1.5, {wall, follower});
   ASSERT_GT(m.elevation(0.175, 0.025), 0.3f);
@@ -216,7 +200,7 @@ TEST(Stage5Cleanup, TheRimOfWhatIsStillHitStaysUntilThatLeavesOrItsOwnFloorIsHit
   const Box whole{{1.5, -0.1, 0}, {1.6, 0.1, 0.6}}, core{{1.5, -0.1, 0}, {1.6, 0.05, 0.6}};
   for (const int beams : {3, 48})
   {
-    TestMap m(near_window());
+    TestMap m(kNearWindow);
     for (int i = 0; i < 3; i++) m.update(Scan(0, 0, 0.7).cast({whole}, 720, -0.6, -0.2, beams));
     ASSERT_GT(m.elevation(1.525, 0.075), 0.3f);
     for (int i = 0; i < 20; i++) m.update(Scan(0, 0, 0.7).cast({core}, 720, -0.6, -0.2, beams));
@@ -231,7 +215,7 @@ TEST(Stage5Cleanup, WhatWasHitForASecondIsFreeHalfASecondAfterItMovedOn)
 {
   for (const int beams : {16, 48})
   {
-    TestMap m(near_window());
+    TestMap m(kNearWindow);
     const auto at = [](double y) { return Box{{1.5, y, 0}, {1.8, y + 0.3, 0.6}}; };
     for (int i = 0; i < 10; i++) m.update(Scan(0, 0, 0.7).cast({at(-0.8)}, 720, -0.6, 0.1, beams));
     ASSERT_GT(cells_above(m, 0.3), 5);
@@ -251,8 +235,7 @@ TEST(Stage5Cleanup, WhatRaysCombAndDoNotHitHasLeftWhereFewBeamsTellNothing)
   const Box bar{{1.5, -0.4, 0.45}, {1.52, 0.4, 0.47}};
   for (const int beams : {96, 6})
   {
-    TestMap m;
-    for (int i = 0; i < 3; i++) m.update(Scan(0, 0, 0.7).cast({bar}, 720, -0.6, 0.0, 96));
+    TestMap m(Scan(0, 0, 0.7).cast({bar}, 720, -0.6, 0.0, 96), {}, 3);
     ASSERT_GT(cells_above(m, 0.3), 6);
     for (int i = 0; i < 5; i++) m.update(Scan(0, 0, 0.7).cast({}, 720, -0.6, 0.0, beams));
     if (beams == 96)
@@ -267,8 +250,7 @@ TEST(Stage5Cleanup, WhatHungInACellLendsNoTimeToWhatStandsThereLater)
   // The branch is seen first, over floor that is only guessed; the robot fits below it. Later beams
   // pass below it only.
   const Box branch{{1.5, -0.4, 0.9}, {1.9, 0.4, 0.95}}, person{{1.5, -0.2, 0}, {1.8, 0.2, 0.7}};
-  TestMap m;
-  for (int i = 0; i < 3; i++) m.update(Scan().cast({branch}, 720, -0.3, 0.2));
+  TestMap m(Scan().cast({branch}, 720, -0.3, 0.2), {}, 3);
   ASSERT_EQ(cells_above(m, 0.05), 0);
   for (int i = 0; i < 3; i++) m.update(Scan().cast({branch, person}, 720, -0.6, 0.05));
   ASSERT_GT(cells_above(m, 0.3), 6);
@@ -289,8 +271,7 @@ TEST(Stage5Cleanup, RangeNoiseDoesNotMakeABoxOverhang)
     const float nearer = 1 - 0.1f / noisy.x_[i];
     noisy.x_[i] *= nearer, noisy.y_[i] *= nearer, noisy.z_[i] *= nearer;
   }
-  TestMap m;
-  for (int i = 0; i < 3; i++) m.update(noisy);
+  TestMap m(noisy, {}, 3);
   ASSERT_GE(cells_above(m, 0.1), 15);
   for (int i = 0; i < 2; i++) m.update(Scan().cast({}));
   EXPECT_EQ(cells_above(m, 0.05), 0);
@@ -305,8 +286,7 @@ TEST(Stage5Cleanup, WhatIsHitForEightFramesOnEndIsNoHedge)
     if (floor.x_[i] < 1.4f || std::abs(floor.y_[i] / floor.x_[i] - 0.01875f) > 0.0065f)
       hit.add(floor.x_[i], floor.y_[i], floor.z_[i] + 0.7);
   for (double z = 0.05; z < 0.5; z += 0.05) hit.add(1.5, 0.028, z);
-  TestMap m;
-  for (int i = 0; i < 8; i++) m.update(hit);
+  TestMap m(hit, {}, 8);
   ASSERT_GT(m.elevation(1.5, 0.025), 0.3f);
   for (int i = 0; i < 2; i++) m.update(floor);
   EXPECT_FALSE(m.elevation(1.5, 0.025) > 0.05f);

@@ -14,7 +14,7 @@ kernels::SideEstimate side(float height, int gap, float distance)
 {
   kernels::SideEstimate s;
   s.height_m = s.nearest_m = height;
-  s.places = gap + 1;
+  s.cells = gap + 1;
   s.distance_m = s.mean_distance_m = distance;
   return s;
 }
@@ -108,10 +108,9 @@ TEST(Stage6Fill, PlacesOfALineAreItsCellsOnTheGrid)
 
 TEST(Stage6Fill, Equation8WeighsSamplesBySparseKernel)
 {
-  Parameters p;
-  p.fill_samples = 2, p.fill_search_m = 1.0, p.fill_kernel_m = 1.0;
-  TestMap m(p);
-  m.update(Scan().add(1.025, 0.025, 0.10).add(0.975, 0.025, 0.04));
+  TestMap m(
+      Scan().add(1.025, 0.025, 0.10).add(0.975, 0.025, 0.04),
+      with({{"fill_samples", 2}, {"fill_search_m", 1.0}, {"fill_kernel_m", 1.0}}));
   const auto k = [](double d)
   { return (2 + std::cos(2 * M_PI * d)) / 3 * (1 - d) + std::sin(2 * M_PI * d) / (2 * M_PI); };
   const double k1 = k(0.20), k2 = k(0.25);
@@ -122,18 +121,16 @@ TEST(Stage6Fill, Equation8WeighsSamplesBySparseKernel)
 
 TEST(Stage6Fill, WhatIsFilledHasAHeightAlsoWhereTheKernelEnds)
 {
-  Parameters p;
-  p.fill_search_m = 2.0, p.fill_kernel_m = 0.5;
-  TestMap m(p);
-  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat));
+  TestMap m(
+      Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat),
+      with({{"fill_search_m", 2.0}, {"fill_kernel_m", 0.5}}));
   EXPECT_EQ(m.state(2.775, 0.025), CellState::FilledOneSided);
   EXPECT_NEAR(m.ground(2.775, 0.025), 0.0, 1e-5);
 }
 
 TEST(Stage6Fill, AGapWithGroundOnBothSidesIsReliableAndOneWithOneSideIsNot)
 {
-  TestMap m;
-  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
+  TestMap m(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat).add_surface(2.0, -0.5, 2.5, 0.5, flat));
   EXPECT_EQ(m.state(1.775, 0.025), CellState::FilledTwoSided);
   EXPECT_EQ(m.state(2.775, 0.025), CellState::FilledOneSided);
   EXPECT_EQ(m.state(0.775, 0.025), CellState::FilledOneSided);
@@ -143,18 +140,14 @@ TEST(Stage6Fill, AGapWithGroundOnBothSidesIsReliableAndOneWithOneSideIsNot)
 
 TEST(Stage6Fill, NothingIsFilledBeyondTheSearchLength)
 {
-  Parameters p;
-  p.fill_search_m = 0.3;
-  TestMap m(p);
-  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat));
+  TestMap m(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat), with({{"fill_search_m", 0.3}}));
   EXPECT_EQ(m.state(1.775, 0.025), CellState::FilledOneSided);  // 0.3 m behind the last sample
   EXPECT_EQ(m.state(1.825, 0.025), CellState::Unknown);
 }
 
 TEST(Stage6Fill, AFillIsTheLessCertainTheFartherItsSample)
 {
-  TestMap m;
-  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat));
+  TestMap m(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat));
   double last = 0;
   for (double x = 1.525; x < 2.5; x += 0.05)
   {
@@ -222,12 +215,10 @@ TEST(Stage6Fill, BelowAnObjectTheGroundIsLittleHigherThanTheLowestLine)
 
 TEST(Stage6Fill, ADitchIsImpassableUpToItsFarWall)
 {
-  TestMap m;
-  Scan s;
-  s.add_surface(0.5, -1, 1.4, 1, flat);
-  s.add_surface(2.3, -1, 2.35, 1, level(-0.28));
-  s.add_surface(2.35, -1, 3.0, 1, flat);
-  m.update(s);
+  TestMap m(Scan()
+                .add_surface(0.5, -1, 1.4, 1, flat)
+                .add_surface(2.3, -1, 2.35, 1, level(-0.28))
+                .add_surface(2.35, -1, 3.0, 1, flat));
   for (double x = 1.425; x < 2.3; x += 0.05) EXPECT_EQ(m.traversability(x, 0.025), 0.0f) << x;
   EXPECT_GT(m.traversability(1.275, 0.025), 0.9f);
 }
@@ -249,8 +240,7 @@ TEST(Stage6Fill, AGapBetweenGroundIsJudgedWhereRaysPassedWithinHalfAMetre)
 {
   // Two rings on the floor, 1 and 1.6 m away: rays of the second pass 0.25 m above the floor behind
   // the first, and lower the nearer they come to their own end.
-  TestMap m;
-  for (int i = 0; i < 2; i++) m.update(Scan(0, 0, 0.8).cast({}, 720, -0.675, -0.4636, 2));
+  TestMap m(Scan(0, 0, 0.8).cast({}, 720, -0.675, -0.4636, 2), {}, 2);
   for (const double x : {1.125, 1.475}) EXPECT_EQ(m.state(x, 0.025), CellState::FilledTwoSided);
   for (const double x : {1.125, 1.475}) EXPECT_GT(m.traversability(x, 0.025), 0.9f);
 }
@@ -260,8 +250,7 @@ TEST(Stage6Fill, WhereRaysPassFarBelowAFillTheGroundMayDropUntilItIsMeasured)
   // First a ray passes over what may be its surface; then rays go down behind its edge, no steeper
   // than a ramp that the robot could take.
   const auto scan = over_the_edge_of_a_shelf;
-  TestMap m;
-  m.update(scan(0.0));
+  TestMap m(scan(0.0));
   EXPECT_GT(m.traversability(2.025, 0.025), 0.9f);
   m.update(scan(-0.85));
   EXPECT_EQ(m.traversability(2.025, 0.025), 0.0f);
@@ -277,14 +266,10 @@ TEST(Stage6Fill, ABlindBowlLiesOnTheLineFromWhereTheRobotStoodToItsFarSide)
   const auto far_side = [](double x, double) { return -0.1 * x; };
   const auto ground_of = [&](double start_radius_m)
   {
-    Parameters p;
-    p.start_radius_m = start_radius_m;
-    TestMap m(p);
+    TestMap m(with({{"start_radius_m", start_radius_m}}));
     Scan s(0, 0, 0.7);
     s.add_surface(3, -3, 3.9, 3, far_side);
-    Frame f = s.frame();
-    f.T_base_sensor = translation(0, 0, 0.7);
-    for (int frame = 0; frame < 2; frame++) m.map.update(f);
+    for (int frame = 0; frame < 2; frame++) m.update(s, translation(0, 0, 0.7));
     EXPECT_GT(m.traversability(1.525, 0.025), 0.5f);
     return m.ground(1.525, 0.025);
   };
@@ -294,12 +279,11 @@ TEST(Stage6Fill, ABlindBowlLiesOnTheLineFromWhereTheRobotStoodToItsFarSide)
 
 TEST(Stage6Fill, AGuessLeadsToAFarSideThatIsFartherThanFillsSearch)
 {
-  Parameters p;
-  p.fill_search_m = 0.5;
-  TestMap m(p);
-  m.update(Scan(0, 0, 0.7)
-               .add_surface(0.5, -0.5, 1.0, 0.5, flat)
-               .add_surface(3.0, -0.5, 3.5, 0.5, [](double, double) { return -0.2; }));
+  TestMap m(
+      Scan(0, 0, 0.7)
+          .add_surface(0.5, -0.5, 1.0, 0.5, flat)
+          .add_surface(3.0, -0.5, 3.5, 0.5, [](double, double) { return -0.2; }),
+      with({{"fill_search_m", 0.5}}));
   EXPECT_EQ(m.state(1.375, 0.025), CellState::FilledOneSided);
   EXPECT_NEAR(m.ground(1.375, 0.025), -0.04, 0.01);
   EXPECT_EQ(m.state(2.025, 0.025), CellState::Unknown);
@@ -331,8 +315,7 @@ TEST(Stage6Fill, ARailAcrossAHillsideAboveTheSensorIsAnObstacle)
   Scan s(0, 0, 0.7);
   s.add_surface(2.2, -1.0, 2.9, 1.0, hill).add_surface(3.1, -1.0, 3.8, 1.0, hill);
   for (double y = -0.975; y < 1.0; y += 0.02) s.add(3.025, y, hill(3.025, 0) + 0.3);
-  TestMap m;
-  for (int frame = 0; frame < 3; frame++) m.update(s);
+  TestMap m(s, {}, 3);
   EXPECT_NEAR(m.ground(3.025, 0.025), hill(3.025, 0), 0.05);
   EXPECT_EQ(m.traversability(3.025, 0.025), 0.0f);
 }
@@ -378,8 +361,7 @@ TEST(Stage6Fill, BeyondAnEdgeAGuessIsNotFreeWhereTheRayOverItEndedFarBelow)
     Scan s;
     s.add_surface(-1, -1, 3.3, 1, flat);
     for (double y = -0.3; y < 0.3; y += 0.002) s.add(end_m, y * end_m, far_z_m);
-    TestMap m;
-    m.update(s);
+    TestMap m(s);
     for (const double x : {3.425, 3.775})
     {
       EXPECT_EQ(m.state(x, 0.025), CellState::FilledOneSided) << x;

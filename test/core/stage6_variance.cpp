@@ -4,6 +4,8 @@
 #include <cstring>
 
 #include "scene.h"
+#include <talus/risk.h>
+#include "kernels/7_risk.h"
 
 using namespace talus;
 using namespace talus::test;
@@ -35,18 +37,14 @@ double scattered(double x, double y)
 
 TEST(Stage6Variance, OfALoneHitIsThatOfItsMeasurementAndOfItsBeam)
 {
-  Parameters p;
-  p.c_beam_m = 0.02, p.a_beam = 0;
-  TestMap m(p);
-  m.update(Scan().add(kX, kY, 0.0));
+  TestMap m(Scan().add(kX, kY, 0.0), with({{"c_beam_m", 0.02}, {"a_beam", 0}}));
   // The cell lies 2 m from the robot's.
   EXPECT_NEAR(deviation_m(m, kX, kY), std::hypot(0.02, 2 * 0.0035), 1e-4);
 }
 
 TEST(Stage6Variance, OfALoneHitKeepsTheErrorOfItsBeamHoweverOftenItIsSeen)
 {
-  TestMap m;
-  for (int i = 0; i < 100; i++) m.update(Scan().add(kX, kY, 0.0));
+  TestMap m(Scan().add(kX, kY, 0.0), {}, 100);
   EXPECT_LT(std::sqrt(m.fused_variance(kX, kY)), 0.002);
   EXPECT_NEAR(deviation_m(m, kX, kY), 2 * 0.0035, 5e-4);
 }
@@ -55,8 +53,7 @@ TEST(Stage6Variance, IsThreeTimesTheScatterWhereOneAxisAloneShowsIt)
 {
   // A ring of beams, three cells wide, and ground as wide as long that is as rough along x.
   const auto rough = [](double x, double) { return 0.02 * scattered(x, 0); };
-  TestMap ring;
-  ring.update(Scan().add_surface(1.5, -0.05, 2.5, 0.1, rough));
+  TestMap ring(Scan().add_surface(1.5, -0.05, 2.5, 0.1, rough));
   EXPECT_NEAR(deviation_m(ring, kX, kY), 3 * deviation_m(map_of(rough), kX, kY), 1e-4);
 }
 
@@ -97,10 +94,9 @@ TEST(Stage6Variance, OfAFillGrowsWhereItsLinesDisagree)
   // Between two strips at the same height, and between strips of which one is 0.1 m higher.
   const auto gap = [](double far_m)
   {
-    TestMap m;
-    m.update(Scan()
-                 .add_surface(1.0, -1.0, 1.5, 1.0, flat)
-                 .add_surface(2.0, -1.0, 2.5, 1.0, level(far_m)));
+    TestMap m(Scan()
+                  .add_surface(1.0, -1.0, 1.5, 1.0, flat)
+                  .add_surface(2.0, -1.0, 2.5, 1.0, level(far_m)));
     return deviation_m(m, 1.775, 0.025);
   };
   EXPECT_LT(gap(0.0), 0.02);
@@ -111,11 +107,10 @@ TEST(Stage6Variance, OfAFillFromOneSideIsATenthOfItsGapAtLeastWhateverLiesBeside
 {
   // The column through each cell has ground on both sides close by, the line from the sensor has
   // none behind.
-  TestMap m;
-  m.update(Scan()
-               .add_surface(1.0, -0.15, 1.5, 0.2, flat)
-               .add_surface(1.5, 0.15, 2.4, 0.2, flat)
-               .add_surface(1.5, -0.15, 2.4, -0.1, flat));
+  TestMap m(Scan()
+                .add_surface(1.0, -0.15, 1.5, 0.2, flat)
+                .add_surface(1.5, 0.15, 2.4, 0.2, flat)
+                .add_surface(1.5, -0.15, 2.4, -0.1, flat));
   for (double x = 1.525; x < 2.3; x += 0.05)
   {
     ASSERT_EQ(m.state(x, kY), CellState::FilledOneSided) << x;
@@ -137,9 +132,8 @@ TEST(Stage6Variance, IsTheSameDeliveredWithEachFrameAndReadOnDemand)
             .add_surface(2.2, -1.0, 2.5, 1.0, flat);
     delivered.update(scan);
     asked.update(scan);
-    const auto &a = delivered.map.layer(Layer::Variance), &b = asked.map.layer(Layer::Variance);
-    ASSERT_EQ(a.size(), b.size());
-    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0) << "frame " << i;
+    EXPECT_TRUE(same_bits(delivered.map.layer(Layer::Variance), asked.map.layer(Layer::Variance)))
+        << "frame " << i;
   }
 }
 
@@ -149,8 +143,7 @@ TEST(Stage6Variance, IsTheSameAfterTheMapWasSavedAndRestored)
   const std::vector<float> before = m.map.layer(Layer::Variance);
   TestMap restored;
   restored.map.restore(m.map.save());
-  const std::vector<float>& after = restored.map.layer(Layer::Variance);
-  EXPECT_EQ(std::memcmp(before.data(), after.data(), after.size() * sizeof(float)), 0);
+  EXPECT_TRUE(same_bits(before, restored.map.layer(Layer::Variance)));
 }
 
 TEST(Stage6Variance, CountsWhatStraysAlongEitherAxis)
@@ -164,4 +157,61 @@ TEST(Stage6Variance, CountsWhatStraysAlongEitherAxis)
   }
   EXPECT_GT(along_m[0], 0.005);
   EXPECT_NEAR(along_m[0], along_m[1], 1e-3);
+}
+
+namespace
+{
+float risk_at(const TestMap& m, double x, double y)
+{
+  const auto i = m.map.window().index_at(x, y);
+  return risk(m.map)[*i];
+}
+/** Ground that rises by so much, with a ripple of some mm. */
+TestMap slope_of(double angle_rad, double ripple_m)
+{
+  TestMap m;
+  const double rise = std::tan(angle_rad);
+  m.update(Scan().add_surface(
+      1.0, -1.0, 3.0, 1.0,
+      [=](double x, double y)
+      { return rise * (x - 2) + ripple_m * std::sin(30 * x + 3 * y) * std::cos(50 * y); }));
+  return m;
+}
+}  // namespace
+
+TEST(Risk, NormalSharesAreThoseOfTheTables)
+{
+  EXPECT_NEAR(kernels::normal_below(0), 0.5f, 1e-6f);
+  EXPECT_NEAR(kernels::normal_below(1), 0.8413f, 4e-4f);
+  EXPECT_NEAR(kernels::normal_below(-2), 0.0228f, 4e-4f);
+  EXPECT_NEAR(kernels::normal_below(1e30f), 1.0f, 1e-6f);
+  EXPECT_NEAR(kernels::normal_below(-1e30f), 0.0f, 1e-6f);
+}
+
+TEST(Risk, OfLevelGroundIsNoneAndOfAWallIsOne)
+{
+  TestMap m(
+      Scan().add_surface(1.0, -1.0, 2.5, 1.0, flat).add_surface(2.5, -1.0, 3.0, 1.0, level(1.0)));
+  EXPECT_LT(risk_at(m, 1.525, 0.025), 0.005f);
+  EXPECT_EQ(risk_at(m, 2.525, 0.025), 1.0f);
+}
+
+TEST(Risk, IsUnknownWhereTheMapDoesNotJudge)
+{
+  TestMap m;
+  EXPECT_TRUE(risk(m.map).empty());
+  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, flat));
+  EXPECT_TRUE(std::isnan(risk_at(m, -3.5, -3.5)));
+}
+
+TEST(Risk, GrowsTowardsTheThresholdAndWithTheScatter)
+{
+  const Parameters p;
+  const float gentle = risk_at(slope_of(0.7 * p.slope_threshold_rad, 0.006), 2.025, 0.025);
+  const float steep = risk_at(slope_of(0.95 * p.slope_threshold_rad, 0.006), 2.025, 0.025);
+  const float rough = risk_at(slope_of(0.7 * p.slope_threshold_rad, 0.03), 2.025, 0.025);
+  EXPECT_LT(gentle, 0.02f);
+  EXPECT_GT(steep, 2 * gentle);
+  EXPECT_GT(rough, 2 * gentle);
+  EXPECT_LT(steep, 1.0f);
 }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <random>
+#include "kernels/7_sparsity.h"
+#include <cmath>
 
 using namespace talus;
 using namespace talus::test;
@@ -21,9 +23,7 @@ TEST(Stage7Traversability, APlaneTiltedByTenDegreesHasThatSlopeEverywhere)
 {
   for (const double azimuth_deg : {0.0, 30.0, 45.0, 90.0, 200.0})
   {
-    Parameters p;
-    p.min_range_m = 0.01;
-    TestMap m(p);
+    TestMap m(with({{"min_range_m", 0.01}}));
     const double t = std::tan(10 * M_PI / 180), a = azimuth_deg * M_PI / 180;
     Scan s(0, 0, 0);  // at this height the whole plane is inside the height band
     s.add_surface(
@@ -43,8 +43,7 @@ TEST(Stage7Traversability, APlaneTiltedByTenDegreesHasThatSlopeEverywhere)
 
 TEST(Stage7Traversability, FlatGroundIsFreeToTheEdgeOfTheWindow)
 {
-  TestMap m;
-  m.update(Scan().add_surface(-4, -4, 4, 4, flat));
+  TestMap m(Scan().add_surface(-4, -4, 4, 4, flat));
   for (double v : m.map.layer(Layer::Traversability))
   {
     if (v == v)
@@ -84,15 +83,12 @@ TEST(Stage7Traversability, ASlopeOfFortyDegreesIsImpassable)
 TEST(Stage7Traversability, Equations10To13ByNumbersWorkedOutByHand)
 {
   // One cell 0.04 m above 48 flat neighbours. Mean of the 49: 0.04 / 49.
-  Parameters p;
-  p.feature_radius_m = 0.15;
-  TestMap m(p);
-  Scan s;
-  s.add_surface(
-      1, -1, 3, 1,
-      [](double x, double y)
-      { return std::abs(x - 2.025) < 0.01 && std::abs(y - 0.025) < 0.01 ? 0.04 : 0.0; });
-  m.update(s);
+  TestMap m(
+      Scan().add_surface(
+          1, -1, 3, 1,
+          [](double x, double y)
+          { return std::abs(x - 2.025) < 0.01 && std::abs(y - 0.025) < 0.01 ? 0.04 : 0.0; }),
+      with({{"feature_radius_m", 0.15}}));
   const double mean = 0.04 / 49;
   const double step = 1 - (2 * 0.04 - 0.0 - mean) / (2 * 0.2);
   const double roughness = 1 - (0.04 - mean) / 0.2;
@@ -104,11 +100,7 @@ TEST(Stage7Traversability, Equations10To13ByNumbersWorkedOutByHand)
 
 TEST(Stage7Traversability, AFloorCellBesideAnObstacleIsNeitherRoughNorAStep)
 {
-  TestMap m;
-  Scan s;
-  s.add_surface(1, -1, 3, 1, flat);
-  s.add_surface(2.0, -1, 2.05, 1, level(0.45));
-  m.update(s);
+  TestMap m(Scan().add_surface(1, -1, 3, 1, flat).add_surface(2.0, -1, 2.05, 1, level(0.45)));
   EXPECT_EQ(m.at(Layer::Step, 1.975, 0.025), 1.0f);
   EXPECT_EQ(m.at(Layer::Roughness, 1.975, 0.025), 1.0f);
   EXPECT_EQ(m.at(Layer::Step, 2.025, 0.025), 0.0f);
@@ -116,18 +108,14 @@ TEST(Stage7Traversability, AFloorCellBesideAnObstacleIsNeitherRoughNorAStep)
 
 TEST(Stage7Traversability, TooFewNeighboursLeaveTheSlopeAndWithItTheCellUnknown)
 {
-  Parameters p;
-  p.fill_search_m = 0;
-  TestMap m(p);
-  m.update(Scan().add(2.025, 0.025, 0).add(2.075, 0.025, 0));
+  TestMap m(Scan().add(2.025, 0.025, 0).add(2.075, 0.025, 0), with({{"fill_search_m", 0}}));
   EXPECT_EQ(m.state(2.025, 0.025), CellState::Measured);
   EXPECT_TRUE(std::isnan(m.traversability(2.025, 0.025)));
 }
 
 TEST(Stage7Traversability, UnknownCellsHaveNoFeatures)
 {
-  TestMap m;
-  m.update(Scan());
+  TestMap m{Scan()};
   for (int l = static_cast<int>(Layer::Slope); l < kLayerCount; l++)
     for (float v : m.map.layer(static_cast<Layer>(l))) ASSERT_TRUE(std::isnan(v));
 }
@@ -180,11 +168,9 @@ TEST(Stage7Traversability, AKerbLowerThanAStepIsPassableAHigherOneIsNot)
 {
   for (const double height_m : {0.14, 0.3})
   {
-    TestMap m;
-    Scan s(2, 0, 0.7);
-    s.add_surface(0, -1, 2.05, 1, flat);
-    s.add_surface(2.05, -1, 4, 1, [&](double, double) { return height_m; });
-    m.update(s);
+    TestMap m(Scan(2, 0, 0.7)
+                  .add_surface(0, -1, 2.05, 1, flat)
+                  .add_surface(2.05, -1, 4, 1, [&](double, double) { return height_m; }));
     int blocked = 0;
     for (double x = 1.525; x < 2.6; x += 0.05) blocked += m.traversability(x, 0.025) == 0.0f;
     EXPECT_EQ(blocked > 0, height_m > 0.2) << height_m;
@@ -198,18 +184,16 @@ TEST(Stage7Traversability, AKerbOfWhichTheFaceWasHitBetweenRoughGroundIsPassable
   Random random(14);
   std::vector<float> face_m(40);
   for (float& z : face_m) z = static_cast<float>(random.uniform(0.01, 0.12));
-  TestMap m;
-  Scan s(2, 0, 0.7);
-  s.add_surface(
-      0, -1, 4, 1,
-      [&](double x, double y)
-      {
-        const auto row = static_cast<std::size_t>((y + 1) / 0.05);
-        const double rough_m = 0.006 * std::sin(9 * x) * std::cos(11 * y);
-        return x < 2.05 ? rough_m : x < 2.1 ? face_m[row] : 0.14 + rough_m;
-      });
-  s.add_surface(2.05, -1, 2.1, 1, level(0.14));
-  m.update(s);
+  TestMap m(Scan(2, 0, 0.7)
+                .add_surface(
+                    0, -1, 4, 1,
+                    [&](double x, double y)
+                    {
+                      const auto row = static_cast<std::size_t>((y + 1) / 0.05);
+                      const double rough_m = 0.006 * std::sin(9 * x) * std::cos(11 * y);
+                      return x < 2.05 ? rough_m : x < 2.1 ? face_m[row] : 0.14 + rough_m;
+                    })
+                .add_surface(2.05, -1, 2.1, 1, level(0.14)));
   for (double y = -0.775; y < 0.8; y += 0.05)
     for (double x = 1.825; x < 2.4; x += 0.05)
       EXPECT_GT(m.traversability(x, y), 0.0f) << x << "," << y;
@@ -217,13 +201,10 @@ TEST(Stage7Traversability, AKerbOfWhichTheFaceWasHitBetweenRoughGroundIsPassable
 
 TEST(Stage7Traversability, AWallBesideAKerbIsNoStepThatTheRobotTakes)
 {
-  TestMap m;
-  Scan s(2, 0, 0.7);
-  s.add_surface(
+  TestMap m(Scan(2, 0, 0.7).add_surface(
       0, -1, 4, 1, [](double x, double) { return x < 2.05  ? 0.0
                                                  : x < 2.2 ? 0.14
-                                                           : 0.4; });
-  m.update(s);
+                                                           : 0.4; }));
   for (double y = -0.775; y < 0.8; y += 0.05) EXPECT_EQ(m.traversability(2.225, y), 0.0f) << y;
 }
 
@@ -265,4 +246,111 @@ TEST(Stage7Traversability, NoRobotFitsBetweenTwoPostsAtTheCornersOfACell)
       m.update(s);
       EXPECT_EQ(m.traversability(2.025, 0.025) == 0.0f, two) << across_m;
     }
+}
+
+namespace
+{
+/** Hits far beyond, so that rays pass low over everything. */
+Scan with_rays(Scan s)
+{
+  for (double y = -2; y < 2; y += 0.01) s.add(4.1, y, -0.2);
+  return s;
+}
+
+/** Dense ground up to x = 1.5 m, a gap too wide to be filled from its far side, ground `drop_m`
+ * lower from 2.5 m on. */
+Scan gap(double drop_m, double near_until_m = 1.5, double sensor_m = 0.3)
+{
+  Scan s(0, 0, sensor_m);
+  s.add_surface(0.5, -0.5, near_until_m, 0.5, flat);
+  if (drop_m < 1) s.add_surface(2.5, -0.5, 3.5, 0.5, [&](double, double) { return -drop_m; });
+  return s;
+}
+Parameters short_search() { return with({{"fill_search_m", 0.5}}); }
+constexpr double kX = 1.525, kY = 0.025;
+/** What a slope half as steep as is allowed explains, over the 21 cells between both sides. */
+const double kSlope_m = 0.5 * std::tan(Parameters().slope_threshold_rad) * 1.05;
+/** So high that the sensor sees the far side over the edge. */
+constexpr double kHigh_m = 0.9;
+}  // namespace
+
+TEST(Stage7Sparsity, Equation14ByNumbersWorkedOutByHand)
+{
+  // h_s = 0.12 m < h_c = 0.2 m: 1 - 0.12 / 0.2.
+  TestMap shallow(short_search());
+  shallow.update(gap(kSlope_m + 0.12, 1.5, kHigh_m));
+  EXPECT_NEAR(shallow.at(Layer::Sparsity, kX, kY), 0.4, 1e-5);
+  // h_s = 0.25 m >= h_c, 1.5 m away with d_c = 2 m: 1 - 0.25 * 2 / (0.2 * 1.5) < 0.
+  TestMap deep(short_search());
+  deep.update(gap(kSlope_m + 0.25, 1.5, kHigh_m));
+  EXPECT_EQ(deep.at(Layer::Sparsity, kX, kY), 0.0f);
+  EXPECT_EQ(deep.traversability(kX, kY), 0.0f);
+}
+
+TEST(Stage7Sparsity, FarAwayTheSameHeightDifferenceWeighsLess)
+{
+  // h_s = 0.3 m >= h_c, 1.5 m away (30 cells) with d_c = 0.6 m: 1 - 0.3 * 0.6 / (0.2 * 1.5) =
+  // 0.4.
+  Parameters p = short_search();
+  p.sparsity_distance_m = 0.6;
+  TestMap m(gap(kSlope_m + 0.3, 1.5, kHigh_m), p);
+  EXPECT_NEAR(m.at(Layer::Sparsity, kX, kY), 0.4, 1e-4);
+}
+
+TEST(Stage7Sparsity, WhatADrivableSlopeExplainsIsNoDitch)
+{
+  // The crest of a ramp: the floor behind it is 0.3 m lower, a metre away.
+  TestMap m(short_search());
+  m.update(with_rays(gap(0.3)));
+  EXPECT_TRUE(std::isnan(m.at(Layer::Sparsity, kX, kY)));
+  EXPECT_GT(m.traversability(kX, kY), 0.0f);
+}
+
+TEST(Stage7Sparsity, OneHeightOrNoneLeavesTheCellUnknown)
+{
+  TestMap m(short_search());
+  m.update(gap(2));  // nothing on the far side
+  EXPECT_EQ(m.state(kX, kY), CellState::FilledOneSided);
+  EXPECT_TRUE(std::isnan(m.at(Layer::Sparsity, kX, kY)));
+  EXPECT_TRUE(std::isnan(m.traversability(kX, kY)));
+}
+
+TEST(Stage7Sparsity, FarFromTheRobotAGuessIsJudgedByItsGeometry)
+{
+  Parameters p = short_search();
+  p.sparsity_range_m = 1.0;
+  TestMap m(with_rays(gap(2)), p);
+  EXPECT_TRUE(std::isnan(m.at(Layer::Sparsity, kX, kY)));
+  EXPECT_GT(m.traversability(kX, kY), 0.9f);
+}
+
+TEST(Stage7Sparsity, AFarWallLeadsBackUpWhereTheGapIsWiderThanADitch)
+{
+  kernels::Config k{};
+  k.max_slope = std::tan(0.5f), k.step_threshold_m = 0.2f;
+  const float explained_m = 2.5f * 0.2f;
+  for (const float length_m : {2.7f, 2.9f})
+  {
+    const float hollow_m = 2 * (0.6f - 0.05f * length_m);
+    EXPECT_NEAR(fall_in({length_m, 0, -0.6f, 0, 0.3f}, k).m, hollow_m, 1e-5f);
+    // A kerb at the foot of a hill is steep, too.
+    const float kerb_m = length_m < 2.8f ? hollow_m : 0.6f - explained_m;
+    EXPECT_NEAR(fall_in({length_m, 0, -0.6f, -0.4f, 0.1f}, k).m, kerb_m, 1e-5f);
+  }
+}
+
+TEST(Stage7Sparsity, AFarWallThatIsSeenNearItsTopIsThatOfADitch)
+{
+  for (const bool wall : {false, true})
+  {
+    Scan s = gap(2, 1.5, kHigh_m);
+    // Each of two cells is hit at its foot, and near its top.
+    for (const double x : {2.525, 2.575})
+      for (double y = -0.475; y < 0.5; y += 0.01)
+        s.add(x, y, -0.2).add(x + 0.01, y, wall ? -0.03 : -0.2);
+    s.add_surface(2.6, -0.5, 3.5, 0.5, level(wall ? 0.0 : -0.2));
+    TestMap m(short_search());
+    m.update(s);
+    EXPECT_EQ(m.traversability(kX, kY) == 0.0f, wall);
+  }
 }

@@ -4,14 +4,50 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <exception>
+#include <initializer_list>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace talus::test
 {
 /** The backend that this executable specifies: one executable a backend, of the same objects. */
 Backend tested_backend();
+
+/** The defaults but for some parameters, by their names. */
+inline Parameters with(std::initializer_list<std::pair<const char*, double>> values)
+{
+  Parameters p;
+  for (const auto& [name, value] : values) set_parameter(p, *find_parameter(name), value);
+  return p;
+}
+
+/** What the error of a call says; empty: it had none. */
+template <class Call>
+std::string error_of(const Call& call)
+{
+  try
+  {
+    call();
+  }
+  catch (const std::exception& e)
+  {
+    return e.what();
+  }
+  return "";
+}
+inline bool contains(const std::string& text, const std::string& part)
+{
+  return text.find(part) != std::string::npos;
+}
+
+inline bool same_bits(const std::vector<float>& a, const std::vector<float>& b)
+{
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
 
 /** Reproducible numbers on every platform (splitmix64). */
 class Random
@@ -139,8 +175,20 @@ class TestMap
 {
  public:
   explicit TestMap(const Parameters& p = {}, int threads = 1) : map(p, tested_backend(), threads) {}
+  /** After some frames of one scan. */
+  explicit TestMap(const Scan& s, const Parameters& p = {}, int frames = 1) : TestMap(p)
+  {
+    for (int i = 0; i < frames; i++) update(s);
+  }
 
   FrameReport update(const Scan& s) { return map.update(s.frame()); }
+  /** On a robot. */
+  FrameReport update(const Scan& s, const Pose& T_base_sensor, double stamp_s = 0)
+  {
+    Frame f = s.frame(stamp_s);
+    f.T_base_sensor = T_base_sensor;
+    return map.update(f);
+  }
 
   /** Value of a layer in the cell that holds (x, y) of the map frame. */
   float at(Layer layer, double x_m, double y_m) const

@@ -4,7 +4,7 @@
 #include "../../talus-map/settings.h"
 
 #include <talus/mrpt/parameters_ini.h>
-#include <talus/rule_switches.h>
+#include <talus/parameters.h>
 
 #include <algorithm>
 #include <cstdlib>

@@ -17,8 +17,7 @@ struct MapBytes
   std::vector<float> features;  //!< the layers of stage 7, window order, one after the other
 };
 
-/** What the channels of a map know: the arrays of kernels::Channel, one channel after the other.
- */
+/** The channels of a map: the arrays of kernels::Channel, one channel after the other. */
 struct ChannelBytes
 {
   std::vector<kernels::ChannelValue> values;
@@ -28,9 +27,7 @@ struct ChannelBytes
 /** The destination of one layer. */
 struct OutputMemory
 {
-  /** The caller's memory as kernels see it; null: the layer is only read, not delivered with each
-   * frame. */
-  float* mapped = nullptr;
+  float* mapped = nullptr;  //!< the caller's memory as kernels see it; null: the layer is only read
   bool direct = false;  //!< kernels write there; false: a copy follows
 };
 
@@ -46,8 +43,7 @@ struct FrameRects
 /** By layer: the caller's n*n floats, or null. */
 using OutputPointers = std::array<float*, kLayerCount>;
 
-/** Frames that may be in flight: each has a slot. */
-constexpr int kSlots = 2;
+constexpr int kSlots = 2;  //!< frames that may be in flight: each has a slot
 
 /** One map on one kind of device: the seven stages and their memory. */
 class BackendInterface

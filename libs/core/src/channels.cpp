@@ -66,12 +66,7 @@ std::vector<Channel> channels_from(const std::string& text)
 {
   std::vector<Channel> channels;
   if (text.empty() || text == kNone) return channels;
-  for (std::size_t begin = 0; begin <= text.size();)
-  {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    channels.push_back(channel_from(text.substr(begin, end - begin)));
-    begin = end + 1;
-  }
+  for (const std::string& piece : pieces_of(text, ",")) channels.push_back(channel_from(piece));
   validate_channels(channels);
   return channels;
 }
@@ -138,13 +133,9 @@ std::vector<ChannelCost> channel_costs_from(const std::string& text)
   std::vector<ChannelCost> costs;
   if (text.empty() || text == kNone) return costs;
   std::string channel;
-  for (std::size_t begin = 0; begin <= text.size();)
-  {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::size_t first = std::min(text.find_first_not_of(' ', begin), end);
-    costs.push_back(cost_from(text.substr(first, end - first), channel));
-    begin = end + 1;
-  }
+  for (const std::string& piece : pieces_of(text, ","))
+    costs.push_back(
+        cost_from(piece.substr(std::min(piece.find_first_not_of(' '), piece.size())), channel));
   return costs;
 }
 

@@ -50,8 +50,7 @@ std::unique_ptr<BackendInterface> make_backend(
   }
 }
 
-/** Padding that keeps a layer off the pages of its neighbours, so that a device can map it alone.
- */
+/** Padding that keeps a layer off its neighbours' pages, so that a device can map it alone. */
 constexpr std::size_t kPageFloats = 4096 / sizeof(float);
 
 void require_points(const Frame& frame)

@@ -28,8 +28,7 @@ const std::vector<float>& MapSnapshot::channel(const std::string& name) const
 
 namespace
 {
-/** A snapshot and the number of its readers. It is written only while it has none and is not the
- * newest. */
+/** A snapshot and the number of its readers. Written only without any, while not the newest. */
 struct Slot
 {
   MapSnapshot map;

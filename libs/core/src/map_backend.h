@@ -56,25 +56,195 @@ class MapBackend final : public BackendInterface
     map_.reserve_points(executor_, size);
     return executor_.point_arrays(map_.point_cell.size());
   }
-  std::array<bool, kLayerCount> set_outputs(int slot, const OutputPointers& host) override;
-  void read_layer(Layer layer, float* out) override;
+  std::array<bool, kLayerCount> set_outputs(int slot, const OutputPointers& host) override
+  {
+    use(slot);
+    auto& now = *map_.now;
+    std::array<bool, kLayerCount> delivered{};
+    executor_.forget_outputs();
+    const auto n = static_cast<std::size_t>(map_.cells());
+    for (std::size_t l = 0; l < host.size(); l++)
+    {
+      now.outputs[l] = host[l] ? executor_.map_output(host[l], n) : OutputMemory{};
+      delivered[l] = now.outputs[l].mapped;
+      now.wanted[l] = delivered[l] ? host[l] : nullptr;
+    }
+    constexpr auto surfaces = static_cast<std::size_t>(Layer::Slope);
+    executor_.allocate(now.delivered, map_.copied_surfaces() ? surfaces * n : 0, 0.0f);
+    executor_.allocate(now.traversability, n, kernels::kNan);
+    if (map_.features_wanted()) map_.allocate_features(executor_);
+    return delivered;
+  }
+  void read_layer(Layer layer, float* out) override
+  {
+    use(shown_);
+    const float* from = map_.top_hit_m.data();  // free between frames
+    if (layer < Layer::Slope)
+      export_surface(layer, map_.top_hit_m.data());
+    else
+    {
+      if (layer != Layer::Traversability) complete_features();
+      from = map_.memory_of(layer);
+    }
+    if (from != out) executor_.transfer(from, static_cast<std::size_t>(map_.cells()), out);
+  }
   CellRecord* read_cells(const std::vector<WindowRect>& rects) override
   {
     return read_all_of<ReadCell>(rects, records_);
   }
-  void write_cells(const std::vector<WindowRect>& rects, const CellRecord* from) override;
+  void write_cells(const std::vector<WindowRect>& rects, const CellRecord* from) override
+  {
+    use(shown_);
+    const auto shown = Map::layers_at(
+        [this](Layer l) { return map_.now->outputs[static_cast<std::size_t>(l)].mapped; });
+    hand_over(
+        rects, within_reach(from, static_cast<std::size_t>(size_of(rects))),
+        [&](const WindowRects& some, int size, const CellRecord* records) {
+          executor_.for_each_from_host(size, WriteCell{{map_.view(), some}, shown}, records);
+        });
+    kernels::Map m = map_.view();
+    m.out = shown;
+    if (shown.variance) estimate_variance(on_, m, rects);
+    executor_.synchronize();
+  }
   std::vector<PointLabel> label_points(
-      const Frame& frame, const kernels::FrameContext& context) override;
-  void read_channel(std::size_t channel, int surface, float* out) override;
+      const Frame& frame, const kernels::FrameContext& context) override
+  {
+    use(shown_);
+    if (label_context_.size() == 0)
+    {
+      executor_.allocate(label_context_, 1, kernels::FrameContext{});
+      executor_.allocate(moved_, static_cast<std::size_t>(map_.cells()), std::int32_t{0});
+    }
+    executor_.fill(moved_, std::int32_t{0});
+    executor_.transfer(&context, 1, label_context_.data());
+    executor_.make_room(label_points_, 4 * frame.size);
+    executor_.make_room(labels_, frame.size);
+    float* next = label_points_.data();
+    kernels::PointsIn in{};
+    const auto take = [&](const float* from, const float*& to)
+    {
+      if (from) std::copy_n(from, frame.size, next);
+      to = next;
+      next += frame.size;
+    };
+    take(frame.x_m, in.x_m);
+    take(frame.y_m, in.y_m);
+    take(frame.z_m, in.z_m);
+    take(frame.time_s, in.time_s);
+    const auto points = static_cast<int>(frame.size);
+    kernels::Map m = map_.view();
+    m.frame = label_context_.data(), m.in = in, m.notes_moved = moved_.data();
+    find_limits(on_, m, 1);
+    executor_.template for_each<kernels::NoteMoved<typename Executor::Atomics>>(m, points);
+    m.moved = moved_.data();
+    executor_.for_each_to_host(points, kernels::LabelOf{m}, labels_.data());
+    executor_.synchronize();
+    std::vector<PointLabel> labels(frame.size);
+    std::transform(
+        labels_.data(), labels_.data() + frame.size, labels.begin(),
+        [](std::uint32_t label) { return static_cast<PointLabel>(label); });
+    return labels;
+  }
+  void read_channel(std::size_t channel, int surface, float* out) override
+  {
+    use(shown_);
+    kernels::Map m = map_.view();
+    m.put = {static_cast<int>(channel), surface, m.top_hit_m};  // free between frames
+    on_.template cells<kernels::PutChannel>(m, window_of(m));
+    executor_.transfer(m.top_hit_m, static_cast<std::size_t>(map_.cells()), out);
+  }
   const ChannelRecord* read_channels(const std::vector<WindowRect>& rects) override
   {
     return read_all_of<ReadChannels>(rects, channel_records_);
   }
-  void write_channels(const std::vector<WindowRect>& rects, const ChannelRecord* from) override;
-  ChannelBytes read_all_channels() override;
-  void write_all_channels(const ChannelBytes& bytes) override;
-  MapBytes read_all() override;
-  void write_all(const MapBytes& bytes, const kernels::FrameContext& window) override;
+  void write_channels(const std::vector<WindowRect>& rects, const ChannelRecord* from) override
+  {
+    use(shown_);
+    const auto size = static_cast<std::size_t>(size_of(rects));
+    executor_.make_room(channel_records_, size);
+    std::copy_n(from, size, channel_records_.data());
+    hand_over(
+        rects, channel_records_.data(),
+        [this](const WindowRects& some, int n, const ChannelRecord* records) {
+          executor_.for_each_from_host(n, WriteChannels{{map_.view(), some}}, records);
+        });
+    executor_.synchronize();
+  }
+  ChannelBytes read_all_channels() override
+  {
+    use(shown_);
+    ChannelBytes bytes;
+    const auto append = [this](auto& from, auto& to)
+    {
+      to.resize(to.size() + from.size());
+      executor_.transfer(from.data(), from.size(), to.data() + to.size() - from.size());
+    };
+    for (auto& channel : map_.channels)
+    {
+      append(channel.values, bytes.values);
+      append(channel.votes, bytes.votes);
+    }
+    return bytes;
+  }
+  void write_all_channels(const ChannelBytes& bytes) override
+  {
+    use(shown_);
+    const auto* value = bytes.values.data();
+    const auto* votes = bytes.votes.data();
+    for (auto& channel : map_.channels)
+    {
+      executor_.transfer(value, channel.values.size(), channel.values.data());
+      executor_.transfer(votes, channel.votes.size(), channel.votes.data());
+      value += channel.values.size();
+      votes += channel.votes.size();
+    }
+  }
+  MapBytes read_all() override
+  {
+    const auto n = static_cast<std::size_t>(map_.cells());
+    use(shown_);
+    MapBytes bytes;
+    bytes.cells.resize(n * kernels::kBytesPerCell);
+    std::uint8_t* to = bytes.cells.data();
+    map_.for_each_field(
+        [&](auto& array, auto unknown)
+        {
+          executor_.transfer(array.data(), n, reinterpret_cast<decltype(unknown)*>(to));
+          to += n * sizeof unknown;
+        });
+    executor_.transfer(map_.datum.data(), 1, &bytes.datum);
+    complete_features();
+    bytes.features.resize(Map::kJudgedLayers * n);
+    for (std::size_t i = 0; i < Map::kJudgedLayers; i++)
+      executor_.transfer(map_.memory_of(feature_layer(i)), n, bytes.features.data() + i * n);
+    return bytes;
+  }
+  void write_all(const MapBytes& bytes, const kernels::FrameContext& window) override
+  {
+    use(shown_);
+    const auto n = static_cast<std::size_t>(map_.cells());
+    const std::uint8_t* from = bytes.cells.data();
+    map_.for_each_field(
+        [&](auto& array, auto unknown)
+        {
+          executor_.transfer(reinterpret_cast<const decltype(unknown)*>(from), n, array.data());
+          from += n * sizeof unknown;
+        });
+    executor_.transfer(&bytes.datum, 1, map_.datum.data());
+    map_.allocate_features(executor_);
+    map_.now->features_known = true;
+    for (std::size_t i = 0; i < Map::kJudgedLayers; i++)
+      executor_.transfer(bytes.features.data() + i * n, n, map_.memory_of(feature_layer(i)));
+    executor_.transfer(&window, 1, map_.frame.data());
+    for (int i = Map::kFirstSurface; i < Map::kFirstFeature; i++)
+      if (float* const to = map_.memory_of(static_cast<Layer>(i)))
+        export_surface(static_cast<Layer>(i), to);
+    map_.deliver_surfaces(executor_, 0, map_.side());
+    map_.deliver_variance(executor_);
+    map_.deliver_features(executor_, 0, map_.side());
+    executor_.synchronize();
+  }
   std::string name() const override { return executor_.name(); }
 
  private:
@@ -94,8 +264,34 @@ class MapBackend final : public BackendInterface
     m.reported = executor_.reported();
     return m;
   }
-  FrameReport report();
-  void complete_features();
+  FrameReport report()
+  {
+    FrameReport report;
+    report.stamp_s = map_.now->stamp_s;
+    report.points_in = static_cast<std::uint32_t>(map_.now->n_points);
+    std::copy_n(executor_.reported()->rejected, kRejectCount, report.rejected.data());
+    report.leaves_floor = executor_.reported()->leaves_floor != 0;
+    report.points_accepted = report.points_in;
+    for (const auto r : report.rejected) report.points_accepted -= r;
+    report.stage_ms = executor_.stage_ms();
+    report.total_ms = executor_.total_ms();
+    return report;
+  }
+  /** Makes slope, step, roughness and sparsity, if the last frame did not: judges once more, with
+   * the same result except for cells written since. */
+  void complete_features()
+  {
+    if (map_.now->features_known) return;
+    map_.allocate_features(executor_);
+    float* const judged = map_.memory_of(Layer::Traversability);
+    float* const kept = map_.top_hit_m.data();  // free between frames
+    executor_.copy(kept, judged, static_cast<std::size_t>(map_.cells()));
+    kernels::Map m = map_.view();
+    m.with_features = true, m.keeps = false;
+    on_.judge_all(m);
+    executor_.copy(judged, kept, static_cast<std::size_t>(map_.cells()));
+    map_.now->features_known = true;
+  }
   void export_surface(Layer layer, float* to)
   {
     kernels::Map m = map_.view();
@@ -144,8 +340,26 @@ class MapBackend final : public BackendInterface
     executor_.synchronize();
     return records.data();
   }
-  void read_before(int slot, const FrameRects& cells);
-  const CellRecord* within_reach(const CellRecord* from, std::size_t size);
+  /** Reads cells before the frame in `slot`, up to a mark, without waiting. */
+  void read_before(int slot, const FrameRects& cells)
+  {
+    use(shown_);
+    executor_.use(slot);
+    executor_.make_room(
+        records_, static_cast<std::size_t>(size_of(cells.before) + size_of(cells.after)));
+    read<ReadCell>(cells.before, records_.data());
+    executor_.mark();
+  }
+  /** The records in memory that kernels reach: those of read_cells() are there. */
+  const CellRecord* within_reach(const CellRecord* from, std::size_t size)
+  {
+    const CellRecord* const own = records_.data();
+    const std::less_equal<> is_not_behind;
+    if (is_not_behind(own, from) && is_not_behind(from + size, own + records_.size())) return from;
+    executor_.make_room(records_, size);
+    std::copy_n(from, size, records_.data());
+    return records_.data();
+  }
   static Layer feature_layer(std::size_t i)
   {
     return static_cast<Layer>(static_cast<std::size_t>(Layer::Slope) + i);
@@ -162,262 +376,5 @@ class MapBackend final : public BackendInterface
   typename Executor::template HostBuffer<std::uint32_t> labels_;
   Executor executor_;  //!< last member: its work ends before the memory is freed
 };
-
-template <class On>
-FrameReport MapBackend<On>::report()
-{
-  FrameReport report;
-  report.stamp_s = map_.now->stamp_s;
-  report.points_in = static_cast<std::uint32_t>(map_.now->n_points);
-  std::copy_n(executor_.reported()->rejected, kRejectCount, report.rejected.data());
-  report.leaves_floor = executor_.reported()->leaves_floor != 0;
-  report.points_accepted = report.points_in;
-  for (const auto r : report.rejected) report.points_accepted -= r;
-  report.stage_ms = executor_.stage_ms();
-  report.total_ms = executor_.total_ms();
-  return report;
-}
-
-template <class On>
-std::array<bool, kLayerCount> MapBackend<On>::set_outputs(int slot, const OutputPointers& host)
-{
-  use(slot);
-  auto& now = *map_.now;
-  std::array<bool, kLayerCount> delivered{};
-  executor_.forget_outputs();
-  const auto n = static_cast<std::size_t>(map_.cells());
-  for (std::size_t l = 0; l < host.size(); l++)
-  {
-    now.outputs[l] = host[l] ? executor_.map_output(host[l], n) : OutputMemory{};
-    delivered[l] = now.outputs[l].mapped;
-    now.wanted[l] = delivered[l] ? host[l] : nullptr;
-  }
-  constexpr auto surfaces = static_cast<std::size_t>(Layer::Slope);
-  executor_.allocate(now.delivered, map_.copied_surfaces() ? surfaces * n : 0, 0.0f);
-  executor_.allocate(now.traversability, n, kernels::kNan);
-  if (map_.features_wanted()) map_.allocate_features(executor_);
-  return delivered;
-}
-
-/** Makes slope, step, roughness and sparsity, if the last frame did not: judges once more, with the
- * same result except for cells written since. */
-template <class On>
-void MapBackend<On>::complete_features()
-{
-  if (map_.now->features_known) return;
-  map_.allocate_features(executor_);
-  float* const judged = map_.memory_of(Layer::Traversability);
-  float* const kept = map_.top_hit_m.data();  // free between frames
-  executor_.copy(kept, judged, static_cast<std::size_t>(map_.cells()));
-  kernels::Map m = map_.view();
-  m.with_features = true, m.keeps = false;
-  on_.judge_all(m);
-  executor_.copy(judged, kept, static_cast<std::size_t>(map_.cells()));
-  map_.now->features_known = true;
-}
-
-template <class On>
-void MapBackend<On>::read_layer(Layer layer, float* out)
-{
-  use(shown_);
-  const float* from = map_.top_hit_m.data();  // free between frames
-  if (layer < Layer::Slope)
-    export_surface(layer, map_.top_hit_m.data());
-  else
-  {
-    if (layer != Layer::Traversability) complete_features();
-    from = map_.memory_of(layer);
-  }
-  if (from != out) executor_.download(from, static_cast<std::size_t>(map_.cells()), out);
-}
-
-/** Reads cells before the frame in `slot`, up to a mark, without waiting. */
-template <class On>
-void MapBackend<On>::read_before(int slot, const FrameRects& cells)
-{
-  use(shown_);
-  executor_.use(slot);
-  executor_.make_room(
-      records_, static_cast<std::size_t>(size_of(cells.before) + size_of(cells.after)));
-  read<ReadCell>(cells.before, records_.data());
-  executor_.mark();
-}
-
-template <class On>
-void MapBackend<On>::write_cells(const std::vector<WindowRect>& rects, const CellRecord* from)
-{
-  use(shown_);
-  const auto shown = Map::layers_at(
-      [this](Layer l) { return map_.now->outputs[static_cast<std::size_t>(l)].mapped; });
-  hand_over(
-      rects, within_reach(from, static_cast<std::size_t>(size_of(rects))),
-      [&](const WindowRects& some, int size, const CellRecord* records) {
-        executor_.for_each_from_host(size, WriteCell{{map_.view(), some}, shown}, records);
-      });
-  kernels::Map m = map_.view();
-  m.out = shown;
-  if (shown.variance) estimate_variance(on_, m, rects);
-  executor_.synchronize();
-}
-
-/** The records in memory that kernels reach: those of read_cells() are there. */
-template <class On>
-const CellRecord* MapBackend<On>::within_reach(const CellRecord* from, std::size_t size)
-{
-  const CellRecord* const own = records_.data();
-  const std::less_equal<> is_not_behind;
-  if (is_not_behind(own, from) && is_not_behind(from + size, own + records_.size())) return from;
-  executor_.make_room(records_, size);
-  std::copy_n(from, size, records_.data());
-  return records_.data();
-}
-
-template <class On>
-std::vector<PointLabel> MapBackend<On>::label_points(
-    const Frame& frame, const kernels::FrameContext& context)
-{
-  use(shown_);
-  if (label_context_.size() == 0)
-  {
-    executor_.allocate(label_context_, 1, kernels::FrameContext{});
-    executor_.allocate(moved_, static_cast<std::size_t>(map_.cells()), std::int32_t{0});
-  }
-  executor_.fill(moved_, std::int32_t{0});
-  executor_.upload(&context, 1, label_context_.data());
-  executor_.make_room(label_points_, 4 * frame.size);
-  executor_.make_room(labels_, frame.size);
-  float* next = label_points_.data();
-  kernels::PointsIn in{};
-  const auto take = [&](const float* from, const float*& to)
-  {
-    if (from) std::copy_n(from, frame.size, next);
-    to = next;
-    next += frame.size;
-  };
-  take(frame.x_m, in.x_m);
-  take(frame.y_m, in.y_m);
-  take(frame.z_m, in.z_m);
-  take(frame.time_s, in.time_s);
-  const auto points = static_cast<int>(frame.size);
-  kernels::Map m = map_.view();
-  m.frame = label_context_.data(), m.in = in, m.notes_moved = moved_.data();
-  find_limits(on_, m, 1);
-  executor_.template for_each<kernels::NoteMoved<typename Executor::Atomics>>(m, points);
-  m.moved = moved_.data();
-  executor_.for_each_to_host(points, kernels::LabelOf{m}, labels_.data());
-  executor_.synchronize();
-  std::vector<PointLabel> labels(frame.size);
-  std::transform(
-      labels_.data(), labels_.data() + frame.size, labels.begin(),
-      [](std::uint32_t label) { return static_cast<PointLabel>(label); });
-  return labels;
-}
-
-template <class On>
-void MapBackend<On>::read_channel(std::size_t channel, int surface, float* out)
-{
-  use(shown_);
-  kernels::Map m = map_.view();
-  m.put = {static_cast<int>(channel), surface, m.top_hit_m};  // free between frames
-  on_.template cells<kernels::PutChannel>(m, window_of(m));
-  executor_.download(m.top_hit_m, static_cast<std::size_t>(map_.cells()), out);
-}
-
-template <class On>
-void MapBackend<On>::write_channels(const std::vector<WindowRect>& rects, const ChannelRecord* from)
-{
-  use(shown_);
-  const auto size = static_cast<std::size_t>(size_of(rects));
-  executor_.make_room(channel_records_, size);
-  std::copy_n(from, size, channel_records_.data());
-  hand_over(
-      rects, channel_records_.data(),
-      [this](const WindowRects& some, int n, const ChannelRecord* records) {
-        executor_.for_each_from_host(n, WriteChannels{{map_.view(), some}}, records);
-      });
-  executor_.synchronize();
-}
-
-template <class On>
-ChannelBytes MapBackend<On>::read_all_channels()
-{
-  use(shown_);
-  ChannelBytes bytes;
-  const auto append = [this](auto& from, auto& to)
-  {
-    to.resize(to.size() + from.size());
-    executor_.download(from.data(), from.size(), to.data() + to.size() - from.size());
-  };
-  for (auto& channel : map_.channels)
-  {
-    append(channel.values, bytes.values);
-    append(channel.votes, bytes.votes);
-  }
-  return bytes;
-}
-
-template <class On>
-void MapBackend<On>::write_all_channels(const ChannelBytes& bytes)
-{
-  use(shown_);
-  const auto* value = bytes.values.data();
-  const auto* votes = bytes.votes.data();
-  for (auto& channel : map_.channels)
-  {
-    executor_.upload(value, channel.values.size(), channel.values.data());
-    executor_.upload(votes, channel.votes.size(), channel.votes.data());
-    value += channel.values.size();
-    votes += channel.votes.size();
-  }
-}
-
-template <class On>
-MapBytes MapBackend<On>::read_all()
-{
-  const auto n = static_cast<std::size_t>(map_.cells());
-  use(shown_);
-  MapBytes bytes;
-  bytes.cells.resize(n * kernels::kBytesPerCell);
-  std::uint8_t* to = bytes.cells.data();
-  map_.for_each_field(
-      [&](auto& array, auto unknown)
-      {
-        executor_.download(array.data(), n, reinterpret_cast<decltype(unknown)*>(to));
-        to += n * sizeof unknown;
-      });
-  executor_.download(map_.datum.data(), 1, &bytes.datum);
-  complete_features();
-  bytes.features.resize(Map::kJudgedLayers * n);
-  for (std::size_t i = 0; i < Map::kJudgedLayers; i++)
-    executor_.download(map_.memory_of(feature_layer(i)), n, bytes.features.data() + i * n);
-  return bytes;
-}
-
-template <class On>
-void MapBackend<On>::write_all(const MapBytes& bytes, const kernels::FrameContext& window)
-{
-  use(shown_);
-  const auto n = static_cast<std::size_t>(map_.cells());
-  const std::uint8_t* from = bytes.cells.data();
-  map_.for_each_field(
-      [&](auto& array, auto unknown)
-      {
-        executor_.upload(reinterpret_cast<const decltype(unknown)*>(from), n, array.data());
-        from += n * sizeof unknown;
-      });
-  executor_.upload(&bytes.datum, 1, map_.datum.data());
-  map_.allocate_features(executor_);
-  map_.now->features_known = true;
-  for (std::size_t i = 0; i < Map::kJudgedLayers; i++)
-    executor_.upload(bytes.features.data() + i * n, n, map_.memory_of(feature_layer(i)));
-  executor_.upload(&window, 1, map_.frame.data());
-  for (int i = Map::kFirstSurface; i < Map::kFirstFeature; i++)
-    if (float* const to = map_.memory_of(static_cast<Layer>(i)))
-      export_surface(static_cast<Layer>(i), to);
-  map_.deliver_surfaces(executor_, 0, map_.side());
-  map_.deliver_variance(executor_);
-  map_.deliver_features(executor_, 0, map_.side());
-  executor_.synchronize();
-}
 
 }  // namespace talus

@@ -7,7 +7,6 @@
 #include "kernels/3_update.h"
 #include "kernels/6_variance.h"
 #include "kernels/map.h"
-#include "kernels/surface.h"
 
 #include <algorithm>
 #include <array>
@@ -39,8 +38,7 @@ inline MapSizes::MapSizes(const kernels::Config& k, bool device_too) : on_device
   const kernels::LineGrid lines = kernels::line_grid(k);
   const kernels::PairGrid pair = kernels::pair_grid(k);
   const std::size_t n = size(k.cells), bins = size(kernels::bin_count(k));
-  // Rows beyond the window that EstimateVariance reads, and one more: in the last of them it reads
-  // a cell before its first.
+  // Rows beyond the window that EstimateVariance reads, and one more for the cell before the last.
   const std::size_t margin = size((kernels::kAskedCells + 1) * lines.pitch);
   cells = {n * n};
   pairs = {size(pair.side) * size(pair.side + 2 * pair.pad)};
@@ -135,14 +133,39 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
   }
 
   // ---- memory: by the size of the map once, by its largest frame so far ----
-  void allocate(Executor& executor);
-  /** Grows the buffers of points in steps of at least an eighth, so that a run soon stops growing.
-   */
-  void reserve_points(Executor& executor, std::size_t points);
+  void allocate(Executor& executor)
+  {
+    const auto n = static_cast<std::size_t>(cells());
+    this->for_each_field([&](auto& array, auto unknown) { executor.allocate(array, n, unknown); });
+    sizes.class_scores = {host_class_scores.size()};
+    allocate_arrays(executor);
+    for (ChannelBuffers& c : channels)
+    {
+      executor.allocate(c.sums, kernels::kPointSurfaces * n, kernels::ChannelSum{});
+      executor.allocate(c.values, kernels::kPointSurfaces * n, kernels::ChannelValue{});
+      const bool votes = c.rule == kernels::kVote;
+      executor.allocate(c.votes, votes ? kernels::kPointSurfaces * n : 0, kernels::ChannelVotes{});
+    }
+    executor.transfer(
+        host_class_scores.data(), host_class_scores.size(), this->class_scores.data());
+    executor.transfer(&host_body, 1, this->body.data());
+  }
+  /** Grows the buffers of points by an eighth at least, so that a run soon stops growing. */
+  void reserve_points(Executor& executor, std::size_t points)
+  {
+    if (points <= this->point_cell.size() && this->point_cell.size() != 0) return;
+    std::size_t step = 1024;
+    while (8 * step < points) step *= 2;
+    const std::size_t capacity = std::max<std::size_t>(1, (points + step - 1) / step) * step;
+    sizes.set_points(host_config, capacity, step, !channels.empty());
+    // The size of the last buffer stands for all: if memory ends half-way it must be zero.
+    executor.allocate(this->point_cell, 0, std::int32_t{-1});
+    allocate_arrays(executor);
+  }
   /** Makes room for slope, step, roughness and sparsity. */
   void allocate_features(Executor& executor)
   {
-    const std::size_t size = kParts * static_cast<std::size_t>(cells());
+    const std::size_t size = kFeatures * static_cast<std::size_t>(cells());
     if (now->features.size() != size) executor.allocate(now->features, size, kernels::kNan);
   }
 
@@ -242,8 +265,8 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
     OutputPointers wanted{};
     std::array<OutputMemory, kLayerCount> outputs{};
     // Derived layers, window order.
-    Buffer<float> traversability, parts, delivered;
-    bool features_known = false;  //!< `parts` belong to the current map
+    Buffer<float> traversability, features, delivered;
+    bool features_known = false;  //!< `features` belong to the current map
   };
 
   kernels::Config host_config;
@@ -265,7 +288,15 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
   MapSizes sizes;
 
  private:
-  void allocate_arrays(Executor& executor);
+  void allocate_arrays(Executor& executor)
+  {
+    this->for_each_array(
+        sizes,
+        [&executor](auto& array, const Extent& of, auto first)
+        {
+          if (array.size() != of.size) executor.allocate(array, of.size, first);
+        });
+  }
   int copied(int first, int end) const
   {
     int n = 0;
@@ -281,47 +312,5 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
     executor.copy(to + first, memory_of(layer) + first, end - first);
   }
 };
-
-template <class Executor>
-void MapBuffers<Executor>::allocate(Executor& executor)
-{
-  const auto n = static_cast<std::size_t>(cells());
-  this->for_each_field([&](auto& array, auto unknown) { executor.allocate(array, n, unknown); });
-  sizes.class_scores = {host_class_scores.size()};
-  allocate_arrays(executor);
-  for (ChannelBuffers& c : channels)
-  {
-    executor.allocate(c.sums, kernels::kPointSurfaces * n, kernels::ChannelSum{});
-    executor.allocate(c.values, kernels::kPointSurfaces * n, kernels::ChannelValue{});
-    const bool votes = c.rule == kernels::kVote;
-    executor.allocate(c.votes, votes ? kernels::kPointSurfaces * n : 0, kernels::ChannelVotes{});
-  }
-  executor.upload(host_class_scores.data(), host_class_scores.size(), this->class_scores.data());
-  executor.upload(&host_body, 1, this->body.data());
-}
-
-template <class Executor>
-void MapBuffers<Executor>::allocate_arrays(Executor& executor)
-{
-  this->for_each_array(
-      sizes,
-      [&executor](auto& array, const Extent& of, auto first)
-      {
-        if (array.size() != of.size) executor.allocate(array, of.size, first);
-      });
-}
-
-template <class Executor>
-void MapBuffers<Executor>::reserve_points(Executor& executor, std::size_t points)
-{
-  if (points <= this->point_cell.size() && this->point_cell.size() != 0) return;
-  std::size_t step = 1024;
-  while (8 * step < points) step *= 2;
-  const std::size_t capacity = std::max<std::size_t>(1, (points + step - 1) / step) * step;
-  sizes.set_points(host_config, capacity, step, !channels.empty());
-  // The size of the last buffer stands for all: if memory ends half-way it must be zero.
-  executor.allocate(this->point_cell, 0, std::int32_t{-1});
-  allocate_arrays(executor);
-}
 
 }  // namespace talus

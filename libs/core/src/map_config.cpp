@@ -1,5 +1,5 @@
 #include "map_config.h"
-#include <talus/rule_switches.h>
+#include <talus/parameters.h>
 #include "kernels/6_fill.h"
 #include "kernels/9_channels.h"
 #include "kernels/rule_constants.h"
@@ -67,8 +67,7 @@ kernels::Config stages_config(const Parameters& p)
 #if defined(TALUS_RULE_SWITCHES)
 namespace
 {
-/** The rules that TALUS_WITHOUT_RULES names by their numbers, "27,30", as bits of
- * Config::rules_off. */
+/** The rules that TALUS_WITHOUT_RULES names, "27,30", as bits of Config::rules_off. */
 std::uint64_t rules_off()
 {
   const char* const named = std::getenv(kWithoutRulesVariable);

@@ -21,17 +21,19 @@ ParameterInfo entry(
     const char* name, const char* unit, double min, double max, const char* description)
 {
   using Value = std::decay_t<decltype(std::declval<Parameters>().*member)>;
-  return {
-      name,
-      unit,
-      min,
-      max,
-      description,
-      [](const Parameters& p) { return static_cast<double>(p.*member); },
-      [](Parameters& p, double v) { p.*member = static_cast<Value>(v); },
-      !std::is_same_v<Value, double>,
-      nullptr,
-      nullptr};
+  ParameterInfo info{name, unit, min, max, description};
+  info.get = [](const Parameters& p) { return static_cast<double>(p.*member); };
+  info.set = [](Parameters& p, double v) { p.*member = static_cast<Value>(v); };
+  info.is_integer = !std::is_same_v<Value, double>;
+  return info;
+}
+template <auto member, auto to_text, auto from_text>
+ParameterInfo text_entry(const char* name, const char* unit, const char* description)
+{
+  ParameterInfo info{name, unit, 0, 0, description};
+  info.get_text = [](const Parameters& p) { return to_text(p.*member); };
+  info.set_text = [](Parameters& p, const std::string& text) { p.*member = from_text(text); };
+  return info;
 }
 
 std::string number(double v) { return number_text(v); }
@@ -51,19 +53,6 @@ std::string boxes_text(const std::vector<BodyBox>& boxes)
   std::string text;
   for (const BodyBox& b : boxes) text += (text.empty() ? "" : ", ") + box_text(b);
   return text.empty() ? kNoBoxes : text;
-}
-
-/** Splits a text at the characters of `separators`. */
-std::vector<std::string> pieces_of(const std::string& text, const char* separators)
-{
-  std::vector<std::string> pieces;
-  for (std::size_t begin = 0; begin <= text.size();)
-  {
-    const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
-    pieces.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return pieces;
 }
 
 BodyBox box_from(const std::string& text)
@@ -239,16 +228,7 @@ const std::vector<ParameterInfo>& parameter_table()
 #define TALUS_NUMBER(type, name, value, unit, least, most, meaning) \
   entry<&Parameters::name>(#name, unit, least, most, meaning),
 #define TALUS_TEXT(type, name, to_text, from_text, unit, meaning) \
-  {#name,                                                         \
-   unit,                                                          \
-   0,                                                             \
-   0,                                                             \
-   meaning,                                                       \
-   nullptr,                                                       \
-   nullptr,                                                       \
-   false,                                                         \
-   [](const Parameters& p) { return to_text(p.name); },           \
-   [](Parameters& p, const std::string& text) { p.name = from_text(text); }},
+  text_entry<&Parameters::name, to_text, from_text>(#name, unit, meaning),
   static const std::vector<ParameterInfo> table{TALUS_PARAMETERS(TALUS_NUMBER, TALUS_TEXT)};
   return table;
 #undef TALUS_NUMBER

@@ -32,8 +32,7 @@ struct SensorRecord
   double z_axis[3];
 };
 
-/** A bit of Header::flags, see kernels::Datum. */
-constexpr std::uint8_t kStartsAnew = 1;
+constexpr std::uint8_t kStartsAnew = 1;  //!< a bit of Header::flags, see kernels::Datum
 
 constexpr std::size_t kFeatures = kLayerCount - static_cast<std::size_t>(Layer::Slope);
 constexpr double kFarthestCell = 2e9, kHighest_m = 1e9;  //!< beyond what frames can reach
@@ -198,6 +197,21 @@ SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters
   std::memcpy(saved.map.features.data(), from + of_cells, feature_bytes(cells));
   check_cells(saved.map, cells);
   return saved;
+}
+
+static_assert(kOtherFloor_m == kernels::kOtherFloor_m);
+
+constexpr int kFlagsByte = 0;  // they come first, see TALUS_CELL_EVIDENCE
+
+bool is_reached(const CellRecord& record)
+{
+  return (record.evidence[kFlagsByte] & kernels::kWasReached) != 0;
+}
+void set_reached(CellRecord& record) { record.evidence[kFlagsByte] |= kernels::kWasReached; }
+
+void clear_transient_evidence(CellRecord& record)
+{
+  std::fill(record.evidence + CellRecord::kLastingBytes, std::end(record.evidence), 0);
 }
 
 }  // namespace talus

@@ -14,8 +14,7 @@ struct SavedMap
 
 std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p);
 
-/** Whether bytes_of() gives so many bytes for a map with these valid parameters that has seen a
- * frame. */
+/** Whether bytes_of() gives so many bytes for a map with these parameters that has seen a frame. */
 bool is_size_of_state(std::uint64_t bytes, const Parameters& p);
 
 /** Throws std::invalid_argument if the bytes are no state of a map with these parameters. */

@@ -2,7 +2,6 @@
 #include "kernels/1_points.h"
 #include "kernels/1_voxel_filter.h"
 #include "kernels/2_follow.h"
-#include "kernels/2_roll.h"
 #include "kernels/3_update.h"
 #include "kernels/4_classify.h"
 #include "kernels/4_reach.h"
@@ -22,6 +21,35 @@ namespace talus
 // The stages of a frame: one list for all that runs them. `On` is Cores, a Device, or a stand-in
 // for one. Its functions are loops over points, rays, pairs or cells. How they share threads and
 // launches is its own concern, and changes no bit.
+
+/** The loops that are alike on cores and on devices. */
+template <class ExecutorType>
+class StageLoops
+{
+ public:
+  using Executor = ExecutorType;
+  using Atomics = typename Executor::Atomics;
+  StageLoops(MapBuffers<Executor>& map, Executor& executor) : map_(map), executor_(executor) {}
+
+  void end_stage(Stage stage) { executor_.end_stage(stage); }
+  void lift_limits() { executor_.fill(map_.pair_limit_m, kernels::kInfinity); }
+  template <class Rule>
+  void windows(const kernels::Map& m, int radius)
+  {
+    executor_.template for_each_window<Rule>(m, m.pairs.side, m.pairs.side, radius);
+  }
+  template <class Rule>
+  void cells(const kernels::Map& m, const WindowRect& cells)
+  {
+    executor_.template for_each_cell<Rule>(m, cells);
+  }
+
+ protected:
+  int points() const { return map_.points(executor_); }
+
+  MapBuffers<Executor>& map_;
+  Executor& executor_;
+};
 
 /** Keeps one point of each voxel, where that is wanted. */
 template <class Executor>

@@ -166,8 +166,7 @@ void check_path(const std::vector<TimedPose>& path, double resolution_m)
   }
 }
 
-/** (lambda_t sin(theta/2))^2, eq. 2 to 4, theta between the sensor's z axes in two consecutive
- * frames. */
+/** (lambda_t sin(theta/2))^2, eq. 2 to 4, theta between the z axes in two consecutive frames. */
 double pose_change_factor(
     const std::array<double, 3>& z1, const std::array<double, 3>& z2, double lambda_t)
 {

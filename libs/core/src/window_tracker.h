@@ -10,8 +10,7 @@
 
 namespace talus
 {
-/** The position of the window and the motion of the sensors: the state of the map on the host, in
- * double. */
+/** The position of the window and the motion of the sensors: the map's state on the host. */
 struct WindowTracker
 {
   struct Sensor

@@ -1,6 +1,6 @@
 #pragma once
 #include <talus/site/tile_store.h>
-#include <talus/window.h>
+#include <talus/cell_record.h>
 
 #include <algorithm>
 #include <cstdint>

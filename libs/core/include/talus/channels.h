@@ -9,10 +9,8 @@ namespace talus
 {
 struct Frame;
 
-/** The most channels of a map. */
-constexpr std::size_t kMaxChannels = 4;
-/** Classes of a channel that is put to the vote: 0 to 15. */
-constexpr int kChannelClasses = 16;
+constexpr std::size_t kMaxChannels = 4;  //!< the most channels of a map
+constexpr int kChannelClasses = 16;  //!< classes of a channel that is put to the vote: 0 to 15
 
 /** How the values of a channel become one value of a cell. */
 enum class ChannelRule : int

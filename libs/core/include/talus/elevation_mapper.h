@@ -4,7 +4,6 @@
 #include <talus/frame_report.h>
 #include <talus/layers.h>
 #include <talus/parameters.h>
-#include <talus/window.h>
 
 #include <cstdint>
 #include <functional>
@@ -59,10 +58,9 @@ class ElevationMapper
    * std::logic_error while a frame is in flight. */
   FrameReport update(const Frame& frame);
   /** Runs a frame and also hands over cells, as read_cells() does, from before and after it: on a
-   * device they come with the frame, at hardly any extra time. While the frame is computed,
-   * `meanwhile` may work on the records from before; it must not use the map. Throws as
-   * read_cells() does, then nothing has changed; after the frame it rethrows what `meanwhile`
-   * throws. */
+   * device they come with the frame at hardly any extra time. Meanwhile `meanwhile` may work on the
+   * records from before; it must not use the map. Throws as read_cells() does, then nothing has
+   * changed; after the frame it rethrows what `meanwhile` throws. */
   FrameReport update(
       const Frame& frame, FrameCells& cells, const std::function<void()>& meanwhile = {});
 
@@ -90,10 +88,9 @@ class ElevationMapper
   /** @} */
 
   /** Memory for `size` points, from which a device takes them without a copy, if the pointers of
-   * the frame are these arrays. It serves the next update() or start(): ask for each frame, since a
-   * frame in flight keeps its own. Valid until a larger frame comes, or clear(), restore() or
-   * set_output_layers(). Throws std::logic_error if two frames are in flight. Optional: points from
-   * other memory are copied. */
+   * the frame are these arrays. It serves the next update() or start(): ask for each frame. Valid
+   * until a larger frame comes, or clear(), restore() or set_output_layers(). Throws
+   * std::logic_error if two frames are in flight. Optional: points from other memory are copied. */
   PointArrays point_arrays(std::size_t size);
 
   /** Selects the layers that each frame delivers, so that layer() is free of cost; layer() makes
@@ -125,24 +122,20 @@ class ElevationMapper
   Window window() const;
   /** The parameters of this map. */
   const Parameters& parameters() const;
-  /** "cpu" or "cuda: NAME OF THE DEVICE"; if there are several devices, " (device 1 of 2)" follows.
-   */
+  /** "cpu" or "cuda: NAME OF THE DEVICE", of several devices with " (device 1 of 2)". */
   std::string backend_name() const;
 
-  /** The whole persistent state but for channels: a map restored from it goes on with the same
-   * bits, and its channels begin anew. */
+  /** All persistent state but for channels: a map restored from it goes on with the same bits. */
   std::vector<std::uint8_t> save() const;
-  /** Sets the state that save() of this or another map returned. Throws std::invalid_argument if
-   * the bytes are no such state or belong to another window size or resolution; then nothing has
-   * changed. */
+  /** Sets the state that save() of this or another map returned. Throws std::invalid_argument if it
+   * is none or of another window size or resolution; then nothing has changed. */
   void restore(const std::vector<std::uint8_t>& bytes);
 
   /** The window that update() of this frame will have. Throws as start() does. */
   Window window_after(const Frame& frame) const;
   /** The records of cells that are all in the window, row by row, one rectangle after the other, to
-   * store them before they leave it. Valid until cells are read or written again or the map
-   * changes. Throws std::invalid_argument for cells outside, std::logic_error while a frame is in
-   * flight. */
+   * store them before they leave it. Valid until cells are read or written or the map changes.
+   * Throws std::invalid_argument for cells outside, std::logic_error while a frame is in flight. */
   CellRecords read_cells(const std::vector<CellRect>& rects) const;
   /** Writes `size` records, from any memory, into the map; unknown records change nothing. layer()
    * shows them at once, slope, step, roughness and sparsity from the next frame on. Throws as

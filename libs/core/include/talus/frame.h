@@ -23,16 +23,13 @@ struct Pose
   double z() const { return m[11]; }
 };
 
-/** The most sensors of one map. */
-constexpr std::size_t kMaxSensors = 64;
+constexpr std::size_t kMaxSensors = 64;  //!< the most sensors of one map
 
 /** A pose valid at a time [s], relative to the stamp of its frame. */
 struct TimedPose
 {
-  /** Time relative to the stamp of the frame [s]; it may be negative. */
-  double time_s = 0;
-  /** Pose of the sensor in the map frame at that time. */
-  Pose T_map_sensor;
+  double time_s = 0;  //!< time relative to the stamp of the frame [s]; it may be negative
+  Pose T_map_sensor;  //!< pose of the sensor in the map frame at that time
 };
 
 /** Memory for the points of a scan, see ElevationMapper::point_arrays(). */
@@ -42,28 +39,22 @@ struct PointArrays
   float *x_m, *y_m, *z_m, *time_s;
 };
 
-/** One scan: points in the sensor frame. A frame does not own its points: the caller keeps them
- * until update(), or finish(), returns. InterleavedPoints makes frames of points whose x, y, z are
- * stored together. */
+/** One scan: points in the sensor frame. The caller keeps them until update(), or finish(),
+ * returns. InterleavedPoints makes frames of points whose x, y, z are stored together. */
 struct Frame
 {
   double stamp_s = 0;  //!< time stamp, seconds since the epoch
   Pose T_map_sensor;  //!< pose of the sensor at stamp_s
   /** `size` coordinates each, sensor frame [m]; NaN and infinities are counted and dropped. */
   const float* x_m = nullptr;
-  /** See x_m. */
-  const float* y_m = nullptr;
-  /** See x_m. */
-  const float* z_m = nullptr;
-  /** Number of points. */
-  std::size_t size = 0;
+  const float* y_m = nullptr;  //!< see x_m
+  const float* z_m = nullptr;  //!< see x_m
+  std::size_t size = 0;  //!< number of points
   /** Pose of the sensor on the robot: T_map_base = T_map_sensor * inverse(T_base_sensor). The base
-   * is on the ground under the robot. Without it the base is the sensor, and the ground under the
-   * robot is not known. */
+   * is on the ground. Without it the base is the sensor, and the ground under it is not known. */
   std::optional<Pose> T_base_sensor;
   std::uint32_t sensor = 0;  //!< which of several sensors; any number
-  /** Optional time of each point [s] relative to stamp_s; nullptr when unknown. Used with `path`
-   * only. */
+  /** Optional time of each point [s] relative to stamp_s, for `path`; nullptr: unknown. */
   const float* time_s = nullptr;
   /** Optional poses of the sensor during the scan, two or more in ascending time (else the map
    * throws). Each point is transformed with the pose interpolated at its time (deskew); points

@@ -37,10 +37,8 @@ constexpr std::array<const char*, kStageCount> kStageNames{
 /** The result of one frame. */
 struct FrameReport
 {
-  /** Stamp of the frame [s]. */
-  double stamp_s = 0;
-  /** The number of its points. */
-  std::uint32_t points_in = 0;
+  double stamp_s = 0;  //!< stamp of the frame [s]
+  std::uint32_t points_in = 0;  //!< the number of its points
   /** The points that reached the map: points_in without all rejected ones. */
   std::uint32_t points_accepted = 0;
   std::array<std::uint32_t, kRejectCount> rejected{};  //!< indexed by Reject
@@ -48,8 +46,7 @@ struct FrameReport
   bool leaves_floor = false;
   /** Time of each Stage [ms]. On a device Roll runs within Accept and is a part of its time. */
   std::array<double, kStageCount> stage_ms{};
-  /** Time of update() [ms]; on CUDA from start() to the end of finish(). */
-  double total_ms = 0;
+  double total_ms = 0;  //!< time of update() [ms]; on CUDA from start() to the end of finish()
 };
 
 }  // namespace talus

@@ -1,7 +1,6 @@
 #pragma once
 #include <talus/elevation_mapper.h>
 #include <talus/frame_gatherer.h>
-#include <talus/frame_order.h>
 
 #include <array>
 #include <cstdint>
@@ -19,10 +18,8 @@ struct MapSnapshot
   std::uint64_t frame = 0;
   Pose T_map_sensor;  //!< of that frame
   FrameReport report;  //!< of that frame; has its stamp
-  /** Position of the cells of the layers. */
-  Window window;
-  /** Parameters of the live map. */
-  Parameters parameters;
+  Window window;  //!< position of the cells of the layers
+  Parameters parameters;  //!< parameters of the live map
   std::array<std::vector<float>, kLayerCount> layers;  //!< empty: not selected
   std::vector<std::vector<float>> channels;  //!< in the order of channel_layer_names()
 
@@ -34,13 +31,11 @@ struct MapSnapshot
   const std::vector<float>& layer(Layer l) const;
 };
 
-/** The number of frames of a live map since it was made, by their FrameOrder; clear() does not
- * reset it. */
+/** Frames of a live map since it was made, by their FrameOrder; clear() does not reset them. */
 struct LiveCounts
 {
   std::uint64_t mapped = 0;  //!< with those of ClockSetBack; parts of a scan count one by one
-  /** Frames that were not mapped. */
-  std::uint64_t duplicate = 0, late = 0;
+  std::uint64_t duplicate = 0, late = 0;  //!< frames that were not mapped
   std::uint64_t clock_set_back = 0;  //!< mapped frames that were the first after the step
 };
 

@@ -7,8 +7,7 @@
 
 namespace talus
 {
-/** Read access to an ElevationMapper or a MapSnapshot. Both convert to it; it is valid as long as
- * they are. */
+/** Read access to an ElevationMapper or a MapSnapshot, which convert to it, while they live. */
 class MapView
 {
  public:

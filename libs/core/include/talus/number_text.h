@@ -1,6 +1,5 @@
 #pragma once
-// Numbers in files: the same text in every locale that a host program may have set, with a decimal
-// point and without groups of digits.
+// Numbers in files: the same text in every locale, with a decimal point and no groups of digits.
 #include <optional>
 #include <string>
 #include <string_view>

@@ -8,8 +8,7 @@
 
 namespace talus
 {
-/** What the map says of a point. The numbers are those of files: zero is SemanticKITTI's
- * "unlabelled". */
+/** What the map says of a point; numbers in files: 0 is SemanticKITTI's "unlabelled". */
 enum class PointLabel : std::uint32_t
 {
   NotTaken = 0,  //!< the map takes no such point: it is not finite, beyond the range or the height

@@ -1,5 +1,4 @@
 #pragma once
-#include "cpu/clones.h"
 #include "cpu/side_by_side.h"
 #include "kernels/3_update.h"
 #include "kernels/group.h"
@@ -70,9 +69,8 @@ class alignas(64) Batch : public kernels::CellUpdate<Batch, Lanes>
   Lanes<kernels::HeightPoint> points_[kMax];
 };
 
-/** The cells that received points. Cells of one part of the window come together, so that a thread
- * has them in its cache; in each part by the number of points, in batches. The largest cells are
- * batches of their own. */
+/** The cells that received points. Cells of one part of the window come together, for a thread's
+ * cache; in each part by the number of points, in batches. The largest are batches of their own. */
 class Order
 {
  public:

@@ -9,20 +9,19 @@
 
 namespace talus
 {
-/** The loops of the stages on cores. Rows of the window are done while their cells are in the
- * cache; fills sweep along lines. */
+/** The loops of the stages on cores: rows while they are in the cache; fills sweep along lines. */
 template <class Threads>
-class Cores
+class Cores : public StageLoops<CpuExecutor<Threads>>
 {
   using Map = kernels::Map;
+  using Loops = StageLoops<CpuExecutor<Threads>>;
+  using Loops::executor_, Loops::map_, Loops::points;
 
  public:
-  using Executor = CpuExecutor<Threads>;
-  using Atomics = typename Executor::Atomics;
-  Cores(MapBuffers<Executor>& map, Executor& executor) : map_(map), executor_(executor) {}
+  using Loops::Loops;
+  using typename Loops::Atomics;
 
   void prepare(const Map&) {}
-  void end_stage(Stage stage) { executor_.end_stage(stage); }
 
   /** Stages 1 and 2, up to the buried rays and the datum. */
   template <class... OfCells>
@@ -97,23 +96,12 @@ class Cores
     executor_.template for_each_stretch<kernels::SpreadReach<true>>(m, m.pairs.side);
     executor_.template for_each_stretch<kernels::SpreadReach<false>>(m, m.pairs.side);
   }
-  void lift_limits() { executor_.fill(map_.pair_limit_m, kernels::kInfinity); }
-  template <class Rule>
-  void windows(const Map& m, int radius)
-  {
-    executor_.template for_each_window<Rule>(m, m.pairs.side, m.pairs.side, radius);
-  }
 
   /** Rules on each cell, the last of which takes samples. */
   template <class... Rules>
   void settle(const Map& m)
   {
     executor_.template for_each_cell<Rules..., kernels::TakeSample>(m);
-  }
-  template <class Rule>
-  void cells(const Map& m, const WindowRect& cells)
-  {
-    executor_.template for_each_cell<Rule>(m, cells);
   }
 
   void fill(const Map& m)
@@ -171,10 +159,6 @@ class Cores
     else
       executor_.template for_each_cell<kernels::CompleteObstacles>(m);
   }
-  int points() const { return map_.points(executor_); }
-
-  MapBuffers<Executor>& map_;
-  Executor& executor_;
 };
 
 }  // namespace talus

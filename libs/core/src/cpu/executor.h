@@ -34,13 +34,9 @@ class CpuMemory
   {
     if (buffer.size() < size) buffer.resize(size);
   }
+  /** Copies between the host and the memory of the map. */
   template <class T>
-  void upload(const T* from, std::size_t size, T* to)
-  {
-    copy(to, from, size);
-  }
-  template <class T>
-  void download(const T* from, std::size_t size, T* to)
+  void transfer(const T* from, std::size_t size, T* to)
   {
     copy(to, from, size);
   }
@@ -144,10 +140,11 @@ class CpuExecutor : public CpuMemory
     then();
   }
 
+  /** f(i) for i in [0, n), about `grain` of them at once. */
   template <class F>
-  void for_each(int n, const F& f)
+  void for_each(int n, const F& f, int grain = 1024)
   {
-    run(n, 1024,
+    run(n, grain,
         [&f](int begin, int end)
         {
           for (int i = begin; i < end; i++) f(i);
@@ -195,11 +192,7 @@ class CpuExecutor : public CpuMemory
   template <class F>
   void for_each_row(int nx, int ny, const F& f)
   {
-    run(ny, rows_at_once(nx),
-        [&f](int begin, int end)
-        {
-          for (int y = begin; y < end; y++) f(y);
-        });
+    for_each(ny, f, rows_at_once(nx));
   }
   template <class F>
   void for_each_stretch(const kernels::Map& m, int n)
@@ -236,8 +229,7 @@ class CpuExecutor : public CpuMemory
   }
 
   int threads() const { return threads_.size(); }
-  /** Whether the points are so few that one thread is faster than several that exchange cache
-   * lines. */
+  /** Whether one thread is faster for so few points than several that exchange cache lines. */
   bool is_small(int n) const { return n <= kFewPoints && threads_.size() > 1; }
   static int rows_at_once(int nx) { return std::max(1, 4096 / std::max(nx, 1)); }
 
@@ -252,11 +244,7 @@ class CpuExecutor : public CpuMemory
   template <class F>
   void for_each_part(int n, const F& f)
   {
-    run(n, 1,
-        [&f](int begin, int end)
-        {
-          for (int i = begin; i < end; i++) f(i);
-        });
+    for_each(n, f, 1);
   }
   template <class Body>
   void run(int n, int grain, const Body& body)

@@ -1,6 +1,5 @@
 #include "cpu/lines.h"
 
-#include "cpu/clones.h"
 #include "kernels/7_sparsity.h"
 
 #include <algorithm>
@@ -12,8 +11,7 @@ namespace
 {
 using kernels::SideEstimate;
 
-/** The index of a sample that was never met. */
-constexpr int kNowhere = -(1 << 20);
+constexpr int kNowhere = -(1 << 20);  //!< the index of a sample that was never met
 /** Code is compiled for kFewSamples, the default, and for any number up to kMaxSamples. */
 constexpr int kFewSamples = 2, kMaxSamples = 16;
 

@@ -1,14 +1,12 @@
 #pragma once
-#include "cpu/clones.h"
 #include "cpu/side_by_side.h"
 #include "kernels/6_fill.h"
 
 #include <algorithm>
 
-// Stage 6's lines on the CPU. Sixteen lines, side by side, are swept from end to end, index by
-// index, and carry the samples that they met last; then back, so that each cell has the samples of
-// both sides. So a cell costs the same however far its samples are, neighbours are read together,
-// and everything is vector code.
+// Stage 6's lines on the CPU. Sixteen lines, side by side, are swept from end to end and carry the
+// samples that they met last; then back, so that each cell has those of both sides. So a cell costs
+// the same however far its samples are, neighbours are read together, and all is vector code.
 
 namespace talus::lines
 {

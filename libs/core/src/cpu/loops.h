@@ -1,6 +1,5 @@
 #pragma once
 #include "cpu/buffer.h"
-#include "cpu/clones.h"
 #include "cpu/side_by_side.h"
 #include "kernels/map.h"
 
@@ -154,9 +153,7 @@ class StoredRow
   int y_, turn_, row_;
 };
 
-/** Cells of a row that have different numbers of rays: it adds one ray to several neighbours at
- * once.
- */
+/** Cells of a row with different numbers of rays: adds one ray to several neighbours at once. */
 template <class F>
 class RowOfRays
 {
@@ -402,8 +399,7 @@ class SlidingRows
   static constexpr int kAhead = 8;  //!< rows fetched before they are added
   template <int n>
   using Distances = std::make_integer_sequence<int, n>;
-  /** The first distance of a neighbourhood of five cells, the default. Compilers know products with
-   * it. */
+  /** The first distance of five cells, the default. Compilers know products with it. */
   using FirstOfFive = std::integral_constant<int, -(kAtOnce / 2)>;
 
  public:

@@ -124,8 +124,7 @@ class SharedLoop
 };
 
 #if defined(TALUS_HAVE_TBB)
-/** A pool of oneTBB threads. They are called once for each frame, since the loops are shorter than
- * a call. */
+/** A pool of oneTBB threads, called once for each frame, since loops are shorter than a call. */
 class ThreadPool
 {
  public:

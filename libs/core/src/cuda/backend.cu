@@ -1,5 +1,5 @@
 #include "cuda/device.h"
-#include "cuda/executor_frame.cuh"
+#include "cuda/executor.cuh"
 #include "map_backend.h"
 
 namespace talus

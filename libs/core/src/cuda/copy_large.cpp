@@ -1,11 +1,14 @@
 #include "cuda/copy_large.h"
-#include "cuda/staging_threads.h"
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <cstring>
+#include <mutex>
 #include <thread>
+#include <vector>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
@@ -15,6 +18,127 @@ namespace talus
 {
 namespace
 {
+/** Work within this time of the last is frequent; threads stay awake no longer. */
+constexpr long long kOften_ns = 1'000'000;
+
+long long now_ns()
+{
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+void relax()
+{
+#if defined(__SSE2__)
+  _mm_pause();
+#endif
+}
+
+/** Threads that join in short work of some ten microseconds, too short to wake for. While work is
+ * frequent they wait for it awake, else they sleep. Nobody waits for one that has not come. */
+class StagingThreads
+{
+ public:
+  explicit StagingThreads(int count)
+  {
+    for (int i = 0; i < count; i++) threads_.emplace_back([this] { serve(); });
+  }
+  ~StagingThreads()
+  {
+    {
+      const std::lock_guard<std::mutex> lock(sleep_);
+      stop_ = true;
+    }
+    wake_.notify_all();
+    for (std::thread& t : threads_) t.join();
+  }
+
+  /** Runs `own` on this thread and meanwhile `help` on helpers, which returns when nothing is left.
+   * Returns, or throws the exception of `own`, when no helper is in it. Wakes sleeping helpers if
+   * the work is long or frequent. Has no helpers while they work for another thread. */
+  void work(const std::function<void()>& own, const std::function<void()>& help, bool is_long)
+  {
+    const std::unique_lock<std::mutex> turn(turn_, std::try_to_lock);
+    if (!turn)
+    {
+      own();
+      return;
+    }
+    struct End
+    {
+      StagingThreads& helpers;
+      ~End() { helpers.end(); }
+    };
+    begin(help, is_long);
+    const End end{*this};
+    own();
+  }
+
+ private:
+  void begin(const std::function<void()>& help, bool is_long)
+  {
+    const long long now = now_ns();
+    often_ = now - last_ns_.exchange(now) < kOften_ns;
+    help_ = &help;
+    open_ = true;
+    round_++;
+    if (asleep_ == 0 || !(is_long || often_)) return;
+    {
+      const std::lock_guard<std::mutex> lock(sleep_);
+    }
+    wake_.notify_one();
+  }
+  void end()
+  {
+    open_ = false;
+    while (inside_) relax();
+  }
+  void serve()
+  {
+    for (unsigned seen = 0;;)
+    {
+      wait_for_work(seen);
+      if (stop_) return;
+      seen = round_;
+      inside_++;
+      if (open_) (*help_)();
+      inside_--;
+    }
+  }
+  /** Waits for work after round `seen`. */
+  void wait_for_work(unsigned seen)
+  {
+    const auto is_time = [&] { return stop_ || round_ != seen; };
+    while (often_ && now_ns() - last_ns_ < kOften_ns)
+      for (int i = 0; i < 64; i++)
+      {
+        if (is_time()) return;
+        relax();
+      }
+    std::unique_lock<std::mutex> lock(sleep_);
+    asleep_++;
+    wake_.wait(lock, is_time);
+    asleep_--;
+    lock.unlock();
+    if (asleep_ > 0) wake_.notify_one();  // each wakes the next, so that work() need not
+  }
+
+  std::mutex turn_;  //!< held by the thread that they work for
+  const std::function<void()>* help_ = nullptr;
+  std::atomic<bool> open_{false};  //!< there is work to join
+  std::atomic<int> inside_{0};  //!< helpers that are in the work, or about to be
+  std::atomic<unsigned> round_{0};
+  std::atomic<long long> last_ns_{0};  //!< when the last work came
+  std::atomic<bool> often_{false};
+
+  std::mutex sleep_;
+  std::condition_variable wake_;
+  std::atomic<int> asleep_{0};
+  std::atomic<bool> stop_{false};
+  std::vector<std::thread> threads_;
+};
+
 void copy_past_caches(char* to, const char* from, std::size_t bytes)
 {
   std::size_t streamed = 0;

@@ -14,10 +14,9 @@ struct CopyBlock
   std::size_t to_copy() const { return to == from ? 0 : bytes; }
 };
 
-/** Copies up to kMaxCopyBlocks blocks into memory that a device reads next. It writes past the
- * caches, from which the bus would have to fetch, and uses several threads for large blocks, since
- * one core is slower than the bus. One thread at a time calls `done(i)` once for each block, in
- * order, as soon as it is complete. */
+/** Copies blocks into memory that a device reads next: past the caches, from which the bus would
+ * have to fetch, and by several threads, since one core is slower than the bus. One thread at a
+ * time calls `done(i)` once for each block, in order, as soon as it is complete. */
 constexpr int kMaxCopyBlocks = 4;
 void copy_blocks(const CopyBlock* blocks, int count, const std::function<void(int)>& done);
 

@@ -1,8 +1,7 @@
 #pragma once
+#include "cuda/cells.h"
 #include "cuda/fill_search.h"
 #include "cuda/points.h"
-#include "cuda/reach_lines.h"
-#include "cuda/settle_cell.h"
 #include "cuda/settle_rays.h"
 #include "map_buffers.h"
 #include "stages.h"
@@ -12,15 +11,16 @@ namespace talus
 /** The loops of the stages on a device. There are few launches, each thread has a point, a cell or
  * a direction, and each cell searches the lines through it. Independent loops share a launch.
  * `Executor` may be a stand-in for a device. */
-template <class ExecutorType>
-class Device
+template <class Executor>
+class Device : public StageLoops<Executor>
 {
   using Map = kernels::Map;
+  using Loops = StageLoops<Executor>;
+  using Loops::executor_, Loops::map_, Loops::points;
 
  public:
-  using Executor = ExecutorType;
-  using Atomics = typename Executor::Atomics;
-  Device(MapBuffers<Executor>& map, Executor& executor) : map_(map), executor_(executor) {}
+  using Loops::Loops;
+  using typename Loops::Atomics;
 
   /** Makes the tables of the lines. */
   void prepare(const Map& m)
@@ -28,7 +28,6 @@ class Device
     const int side = m.lines.side;
     executor_.template for_each_cell<kernels::FillLineTables>(m, {0, 0, side, side});
   }
-  void end_stage(Stage stage) { executor_.end_stage(stage); }
 
   /** Stages 1 and 2, up to the buried rays, the datum and the ranges for sorting. */
   template <class... OfCells>
@@ -70,23 +69,12 @@ class Device
     executor_.template for_each<kernels::SpreadAlongLine<true>>(m, lines(m));
     executor_.template for_each<kernels::SpreadAlongLine<false>>(m, lines(m));
   }
-  void lift_limits() { executor_.fill(map_.pair_limit_m, kernels::kInfinity); }
-  template <class Rule>
-  void windows(const Map& m, int radius)
-  {
-    executor_.template for_each_window<Rule>(m, m.pairs.side, m.pairs.side, radius);
-  }
 
   /** Rules on each cell, before samples are taken. */
   template <class... Rules>
   void settle(const Map& m)
   {
     executor_.template mark_cells<kernels::SettleCell<Rules...>>(m, m.axis_marks);
-  }
-  template <class Rule>
-  void cells(const Map& m, const WindowRect& cells)
-  {
-    executor_.template for_each_cell<Rule>(m, cells);
   }
 
   void fill(const Map& m)
@@ -134,7 +122,6 @@ class Device
   void end() { executor_.join(); }
 
  private:
-  int points() const { return map_.points(executor_); }
   static int pairs(const Map& m) { return m.pairs.side * m.pairs.side; }
   /** The threads of the sweeps along lines of pairs. */
   static int lines(const Map& m) { return kernels::SpreadAlongLine<true>::kThreads * m.pairs.side; }
@@ -153,9 +140,6 @@ class Device
         kernels::ComputeFeatures<kWithFeatureLayers>, kernels::CompleteObstacles>(
         m, m.k.cells, m.k.cells, first, end, m.k.feature_radius_cells, beside_last);
   }
-
-  MapBuffers<Executor>& map_;
-  Executor& executor_;
 };
 
 }  // namespace talus

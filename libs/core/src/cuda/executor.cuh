@@ -1,5 +1,6 @@
 #pragma once
 #include "backend.h"
+#include "cuda/copy_large.h"
 #include "cuda/loops.cuh"
 #include "cuda/slot.h"
 
@@ -18,9 +19,36 @@ class CudaExecutor
   using Buffer = DeviceBuffer<T>;
   using Atomics = kernels::DeviceAtomics;
 
-  /** Throws std::runtime_error with the reason if there is no such device, or this build has no
-   * code for it. */
-  explicit CudaExecutor(int device);
+  /** Throws std::runtime_error if there is no such device, or no code for it in this build. */
+  explicit CudaExecutor(int number) : device_{number}
+  {
+    int devices = 0;
+    const cudaError_t answer = cudaGetDeviceCount(&devices);
+    static_cast<void>(cudaGetLastError());
+    if (answer != cudaSuccess || devices == 0)
+      throw std::runtime_error(
+          std::string("no CUDA device answers") +
+          (answer == cudaSuccess ? "" : std::string(": ") + cudaGetErrorString(answer)));
+    TALUS_CUDA(cudaSetDevice(number));
+    cudaDeviceProp device;
+    TALUS_CUDA(cudaGetDeviceProperties(&device, number));
+    name_ = std::string("cuda: ") + device.name;
+    if (devices > 1)
+      name_ += " (device " + std::to_string(number) + " of " + std::to_string(devices) + ")";
+    cudaFuncAttributes code;
+    if (cudaFuncGetAttributes(&code, loops::fetch) != cudaSuccess)
+    {
+      static_cast<void>(cudaGetLastError());
+      throw std::runtime_error(
+          std::string("built for other CUDA architectures than that of ") + device.name +
+          ": set TALUS_CUDA_ARCHITECTURES");
+    }
+    // Code of an older architecture does not wait for its predecessor by itself.
+    can_chain_ = device.major >= 9 && code.ptxVersion >= 90;
+    marked_ = make_event();
+    side_ = make_queue();
+    use(0);
+  }
 
   std::string name() const { return name_; }
 
@@ -54,13 +82,7 @@ class CudaExecutor
     if (buffer.size() < size) buffer = PinnedBuffer<T>(size + size / 2);
   }
   template <class T>
-  void upload(const T* from, std::size_t size, T* to)
-  {
-    copy(to, from, size);
-    synchronize();
-  }
-  template <class T>
-  void download(const T* from, std::size_t size, T* to)
+  void transfer(const T* from, std::size_t size, T* to)
   {
     copy(to, from, size);
     synchronize();
@@ -71,7 +93,15 @@ class CudaExecutor
   void wait_for_mark() { TALUS_CUDA(cudaEventSynchronize(marked_.get())); }
 
   // ---- outputs ----
-  OutputMemory map_output(float* host, std::size_t size);
+  OutputMemory map_output(float* host, std::size_t size)
+  {
+    auto& outputs = slot().outputs;
+    outputs.emplace_back(host, size * sizeof(float));
+    auto* mapped = static_cast<float*>(outputs.back().device());
+    const bool fits = mapped && slot().direct_bytes + size * sizeof(float) <= kDirectBytes;
+    if (fits) slot().direct_bytes += size * sizeof(float);
+    return {mapped, fits};
+  }
   void forget_outputs()
   {
     forget_recordings();
@@ -82,10 +112,63 @@ class CudaExecutor
   // ---- the frame of the slot in use ----
   /** Graphs are recorded for as many points as there is room for. */
   int loop_size(int, std::size_t capacity) const { return static_cast<int>(capacity); }
-  PointArrays point_arrays(std::size_t capacity);
+  PointArrays point_arrays(std::size_t capacity)
+  {
+    CudaSlot& s = slot();
+    if (capacity != s.capacity)
+    {
+      s.capacity = 0;  // until all memory is there
+      s.staged = {};
+      s.staged = PinnedBuffer<std::uint32_t>(kStagedPoints + 4 * capacity);
+      std::memset(s.staged.data(), 0, s.staged.size() * sizeof(std::uint32_t));
+      allocate(s.points, copies_points(capacity) ? 4 * capacity : 0, 0.0f);
+      s.capacity = capacity;
+    }
+    auto* p = reinterpret_cast<float*>(s.staged.data() + kStagedPoints);
+    return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
+  }
   kernels::PointsIn stage(
-      const Frame& frame, const kernels::FrameContext& context, std::size_t capacity);
-  ChannelArrays stage_channels(const Frame& frame, std::size_t channels, std::size_t capacity);
+      const Frame& frame, const kernels::FrameContext& context, std::size_t capacity)
+  {
+    slot().start = CudaSlot::Clock::now();
+    const PointArrays to = point_arrays(capacity);
+    std::memcpy(slot().staged.data(), &context, sizeof context);
+    const float* const from[] = {frame.x_m, frame.y_m, frame.z_m, frame.time_s};
+    float* const p = copies_points(capacity) ? slot().points.data() : to.x_m;
+    const int arrays = frame.size == 0 ? 0 : context.has_times ? 4 : 3;
+    std::array<CopyBlock, kMaxCopyBlocks> blocks;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(arrays); a++)
+      blocks[a] = {to.x_m + a * capacity, from[a], frame.size * sizeof(float)};
+    const auto send = [&](std::size_t a)
+    {
+      if (copies_points(capacity)) copy(p + a * capacity, to.x_m + a * capacity, frame.size);
+    };
+    copy_blocks(blocks.data(), arrays, std::ref(send));
+    return {p, p + capacity, p + 2 * capacity, p + 3 * capacity};
+  }
+  /** Kernels read them in place: each value once, and only those of points that count. Recordings
+   * know no frame, so that a channel that it does not have is there, and says nothing. */
+  ChannelArrays stage_channels(const Frame& frame, std::size_t channels, std::size_t capacity)
+  {
+    CudaSlot& s = slot();
+    if (s.channels.size() != channels * capacity)
+    {
+      s.channels = {};
+      s.graphs = {};
+      s.channels = PinnedBuffer<float>(channels * capacity);
+    }
+    ChannelArrays arrays{};
+    for (std::size_t c = 0; c < channels; c++)
+    {
+      float* const to = s.channels.data() + c * capacity;
+      arrays[c] = to;
+      if (frame.channels[c])
+        std::copy_n(frame.channels[c], frame.size, to);
+      else
+        std::fill_n(to, frame.size, kernels::kNan);
+    }
+    return arrays;
+  }
   /** `starts_map`: the first frame has a recording of its own, which is seldom used again. */
   template <class Body>
   void start_frame(const Body& body, bool starts_map)
@@ -105,12 +188,28 @@ class CudaExecutor
     slot().in_flight = false;
     synchronize();
   }
-  void fetch(Buffer<kernels::FrameContext>& frame);
+  void fetch(Buffer<kernels::FrameContext>& frame)
+  {
+    constexpr auto n = static_cast<int>(kContextWords);
+    const std::uint32_t* const from = slot().staged.data();
+    launch(
+        loops::fetch, dim3(blocks(n, size_of(n))), dim3(size_of(n)), 0, n, from,
+        reinterpret_cast<std::uint32_t*>(frame.data()));
+    stage_end_++;
+  }
   /** Where a frame leaves its counts for the host. */
   kernels::FrameCounts* reported() { return slot().counts.data(); }
   /** The kernels recorded since the last call belong to this stage. */
   void end_stage(Stage stage) { end_of_stage_[static_cast<std::size_t>(stage)] = stage_end_++; }
-  std::array<double, kStageCount> stage_ms() const;
+  std::array<double, kStageCount> stage_ms() const
+  {
+    std::array<double, kStageCount> ms{};
+    const std::uint64_t* done = slot().stage_end_ns.data();
+    for (std::size_t s = 0; s < ms.size(); s++)
+      if (const int end_stage = end_of_stage_[s])
+        ms[s] = static_cast<double>(done[end_stage] - done[end_stage - 1]) * 1e-6;
+    return ms;
+  }
   double total_ms() const
   {
     return std::chrono::duration<double, std::milli>(CudaSlot::Clock::now() - slot().start).count();
@@ -148,8 +247,7 @@ class CudaExecutor
         loops::over_range_and_cells<First, Then, Cells>, dim3(blocks(n, size) + cells.x * cells.y),
         dim3(size), 0, firsts, n, nx, ny, in_line(cells), m);
   }
-  /** For the points [0, n) and for crowded cells, at most `crowded`, though few are expected: see
-   * kernels::UpdateCell. */
+  /** For the points [0, n), and for up to `crowded` cells, though few are expected: UpdateCell. */
   template <class F>
   void for_each_and_group(const kernels::Map& m, int n, int crowded)
   {
@@ -188,8 +286,7 @@ class CudaExecutor
   void for_each_judged_cell_of_rows(
       const kernels::Map& m, int nx, int ny, int first, int end, int radius, bool beside_last)
   {
-    // High tiles share more rows. With few cells, low tiles spread over the device and need one
-    // round of rows.
+    // High tiles share more rows; with few cells low tiles spread over the device, one round each.
     constexpr int rows = loops::kWindowThreads;
     const int most = std::min(loops::kJudgedRows, loops::kMaxRows - 2 * radius);
     const int height = (nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : most) - 2;
@@ -200,9 +297,7 @@ class CudaExecutor
         dim3(loops::kTileWidth, loops::kWindowThreads), size * sizeof(typename F::Row), nx, ny,
         first, end, radius, height, m, beside_last);
   }
-  /** The steps of kernels::SettleRays, beside a range as in for_each_beside(), and H{m}(group)
-   * once.
-   */
+  /** kernels::SettleRays beside a range as in for_each_beside(), and H{m}(group) once. */
   template <class F, class First, class Then, class H>
   void for_each_direction_beside(const kernels::Map& m, int directions, int firsts, int n)
   {
@@ -220,8 +315,7 @@ class CudaExecutor
         loops::over_bits<F>, dim3(blocks(32 * lines, loops::kThreads), blocks(bits, 32 * per_warp)),
         dim3(loops::kThreads), 0, lines, bits, m, words);
   }
-  /** F{m}(x, y) says whether it marks a cell. Marks: bits of the rows, then of the columns, in the
-   * layout [word][line]. */
+  /** F{m}(x, y) says whether it marks a cell: bits of rows, then of columns, as [word][line]. */
   template <class F>
   void mark_cells(const kernels::Map& m, std::uint32_t* marks)
   {
@@ -297,6 +391,15 @@ class CudaExecutor
   }
 
  private:
+  static constexpr std::size_t kContextWords =
+      sizeof(kernels::FrameContext) / sizeof(std::uint32_t);
+  static constexpr std::size_t kStagedPoints =
+      (kContextWords + 63) / 64 * 64;  //!< where the arrays begin
+  /** Up to this size the accepting kernel reads points from host memory. The bus copies larger
+   * frames, each array while the next one is staged. */
+  static constexpr std::size_t kReadBytes = 512 * 1024;
+  /** Layers up to this size are written to host memory by kernels; others are copied. */
+  static constexpr std::size_t kDirectBytes = 1024 * 1024;
   static constexpr std::size_t kSharedBytes = 48 * 1024;  //!< every block can have them
   static constexpr int kCellsPerGroup = 4;  //!< 2 and 8 are slower
   static constexpr int kWordsPerWarp = 4;
@@ -375,7 +478,10 @@ class CudaExecutor
   }
 
   /** Whether the bus copies the points as they are staged; else kernels read them in place. */
-  static bool copies_points(std::size_t capacity);
+  static bool copies_points(std::size_t capacity)
+  {
+    return 3 * capacity * sizeof(float) > kReadBytes;
+  }
 
   std::string name_;
   bool can_chain_ = false;

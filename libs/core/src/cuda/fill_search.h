@@ -146,8 +146,7 @@ struct FillLineTables
   }
 };
 
-/** Whether the cells of a line are samples, from the marks of rows and columns, which are smaller
- * than the cells. */
+/** Whether cells of a line are samples, from the marks of rows and columns: less than the cells. */
 struct SamplesOfLine
 {
   const Map& m;

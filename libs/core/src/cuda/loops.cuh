@@ -37,9 +37,8 @@ __device__ inline void wait_for_predecessor()
 #endif
 }
 
-/** wait_for_predecessor() for a kernel that may run beside its predecessor, since it needs nothing
- * from it. Its end waits for the predecessor, so that waiting for this kernel is waiting for both.
- */
+/** wait_for_predecessor() for a kernel that may run beside its predecessor, as it needs nothing of
+ * it. Its end waits for the predecessor, so that waiting for this one is waiting for both. */
 __device__ inline void start(bool beside_last)
 {
   if (!beside_last)
@@ -188,8 +187,7 @@ __device__ typename F::Window sum_window(
   return sum;
 }
 
-/** f for square neighbourhoods: sums along the rows of a tile of `height` rows go to shared memory,
- * sums across them to f(). */
+/** f for square neighbourhoods: sums along the rows of a tile are in shared memory. */
 template <class F>
 __global__ void __launch_bounds__(kTileWidth* kWindowThreads) over_windows(
     int nx, int ny, int radius, int height, const __grid_constant__ kernels::Map m,
@@ -405,8 +403,7 @@ __global__ void __launch_bounds__(kThreads) over_directions_and_range(
   note_time(done_ns);
 }
 
-/** F{m}(line, bit) for all bits as words, in the layout [word][line]. A warp makes several words of
- * a line. */
+/** F{m}(line, bit) for all bits as words, [word][line]. A warp makes several words of a line. */
 template <class F>
 __global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce) over_bits(
     int lines, int bits, const __grid_constant__ kernels::Map m, std::uint32_t* words,
@@ -465,8 +462,7 @@ __global__ void __launch_bounds__(kTileWidth* kTileRows) over_marked_cells(
   note_time(done_ns);
 }
 
-/** f.side() for both sides of the lines through a cell and f.behind(), a thread each, then
- * f.line(), then f for the cell. */
+/** f.side() and f.behind(), a thread each, then f.line(), then f for the cell. */
 template <class F>
 __global__ void __launch_bounds__((2 * F::kLines + 1) * 32) over_cells_by_lines(
     int nx, int y0, const __grid_constant__ kernels::Map m, std::uint64_t* done_ns)

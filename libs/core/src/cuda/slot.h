@@ -1,6 +1,6 @@
 #pragma once
 #include "backend.h"
-#include "cuda/graph.h"
+#include "cuda/resources.h"
 #include "kernels/1_points.h"
 
 #include <chrono>
@@ -32,8 +32,7 @@ inline void follow(WorkQueue& before, WorkQueue& after)
   after.after_kernel = false;
 }
 
-/** The parts of a frame on the device that another frame in flight does not share: its points,
- * layers, report and recording. */
+/** A frame's own memory on the device: its points, layers, report and recording. */
 struct CudaSlot
 {
   using Clock = std::chrono::steady_clock;
