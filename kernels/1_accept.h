@@ -18,7 +18,6 @@ enum RejectCode : int
   kAccepted = kRejectCodes
 };
 
-/** What a frame reports to the host. */
 struct FrameCounts
 {
   std::uint32_t rejected[kRejectCodes];  //!< points by RejectCode
@@ -57,7 +56,6 @@ TALUS_HD bool is_in_box(const Point& p, const FrameContext& f, const Body& body,
          (z_m <= high[2]);
 }
 
-/** Whether a point of the sensor frame belongs to the robot itself. */
 TALUS_HD bool is_body(const Point& p, const FrameContext& f, const Body& body)
 {
   bool any = false;

@@ -5,7 +5,6 @@
 
 namespace talus::kernels
 {
-/** The range of indices of one thread. */
 struct Part
 {
   int begin, end;
@@ -14,13 +13,11 @@ struct Part
 /** The rank of a point that lies in a cell but does not count. */
 constexpr std::uint32_t kNoRank = ~0u;
 
-/** Enters the ray of a point into the table of rays. */
 template <class Atomics>
 struct NoteRay
 {
   const Map& m;
 
-  /** The range of bins of one thread. */
   Part part(int which, int of) const
   {
     const int bins = bin_count(m.k);
@@ -58,7 +55,6 @@ struct AcceptPoint
 {
   const Map& m;
 
-  /** Computes what depends on this point alone. */
   TALUS_HD void locate(int point_i, const Point& sensed) const
   {
     const WindowPose pose = pose_of_point(*m.frame, m.in.time_s, point_i);
@@ -96,7 +92,6 @@ struct AcceptPoint
     if (m.point_reject[point_i] != kAccepted)
       Atomics::count(m.counts->rejected + m.point_reject[point_i]);
   }
-  /** Counts the rejected among the points [begin, end), after locate(). */
   void count_rejected(int begin, int end) const
   {
     for (std::uint32_t code = 0; code < kRejectCodes; code++)

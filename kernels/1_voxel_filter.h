@@ -41,7 +41,6 @@ struct EnterVoxel
     Atomics::min(m.voxel_winner + s, fingerprint(p));
   }
 
-  /** Whether a point passes all other tests of stage 1. */
   TALUS_HD bool counts(const Point& p, int point_i) const
   {
     const float rise_m = rise_above_sensor(pose_of_point(*m.frame, m.in.time_s, point_i), p);
@@ -65,7 +64,6 @@ struct EnterVoxel
   }
 };
 
-/** Keeps the chosen point of each voxel. */
 template <class Atomics>
 struct KeepVoxel
 {

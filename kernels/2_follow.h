@@ -130,7 +130,6 @@ struct FollowPoses
   }
 };
 
-/** Clears the highest hit of a cell, before all rules of a frame. */
 struct ForgetHits
 {
   const Map& m;

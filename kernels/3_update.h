@@ -145,7 +145,6 @@ struct ClearanceScan
   {
     top_m = group.max(top_m);
   }
-  /** Whether another gap may follow. */
   TALUS_HD bool goes_on(const ClearanceScan& before, float highest_m) const
   {
     return (top_m > before.top_m) & (top_m < highest_m);
@@ -180,7 +179,6 @@ TALUS_HD FusionPlan plan_ground(const Cell& c, const HeightPoint& low, const Con
   return plan;
 }
 
-/** Whether the robot drove through what these points hit. */
 TALUS_HD bool is_driven_through(const Cell& c, float highest_m)
 {
   return was_driven_through(c.driven_height) &
@@ -350,7 +348,6 @@ class CellUpdate
   {
     own().each_lane(f);
   }
-  /** Changes each cell by f(cell, l). */
   template <class F>
   TALUS_HD void each_cell(const F& f)
   {
@@ -362,7 +359,6 @@ class CellUpdate
           cells.store(l, c);
         });
   }
-  /** Reduces the points of each cell, under the conditions `asked`. */
   template <class Sum, class Question>
   TALUS_HD void reduce(Lanes<Sum>& sums, const Lanes<Question>& asked, const Config& k)
   {
@@ -387,7 +383,6 @@ struct OneLane
   TALUS_HD void store(int, const T& v) { value = v; }
 };
 
-/** One cell, of which a group reads the points. */
 template <class Group>
 class OneCell : public CellUpdate<OneCell<Group>, OneLane>
 {
@@ -429,7 +424,6 @@ TALUS_HD SortEnds ends_of(std::uint64_t cursor)
   return {static_cast<std::uint32_t>(cursor), static_cast<int>(cursor >> 32)};
 }
 
-/** Moves one point to the range of its cell. */
 struct SortPoint
 {
   const Map& m;
@@ -447,7 +441,6 @@ struct SortPoint
     return max_of(
         kBehindOverhang_rings, floor_to_int(kBehindOverhang_m * m.k.inverse_resolution + 0.5f));
   }
-  /** Whether a ray passed below a point in the direction that lies `beside` bins away. */
   TALUS_HD bool passed_below(int point_i, int beside) const
   {
     const bool aims = (m.point_ray[point_i] >= 0) & (m.point_cell[point_i] >= 0);

@@ -34,7 +34,6 @@ struct PairReach
   std::int32_t is = kOutsideWindow;
 };
 
-/** Pools what the last frame found out about a pair. */
 struct PoolReach
 {
   using Item = PairReach;
@@ -75,7 +74,6 @@ struct SpreadReach
 {
   const Map& m;
 
-  /** There and back along the lines [first, end). */
   TALUS_HD void operator()(int first, int end) const
   {
     if constexpr (kColumns)
@@ -171,7 +169,6 @@ struct NearGround
   float low_reached_m = kInfinity, reached_cone_m = kInfinity, thing_m = -kInfinity;
 };
 
-/** Erosion, along rows and then along columns. */
 struct ErodeGround
 {
   using Row = NearGround;

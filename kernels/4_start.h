@@ -30,7 +30,6 @@ struct PresumeStart
 {
   const Map& m;
 
-  /** No cell but in the first frame. */
   TALUS_HD bool leaves_out(int) const
   {
     return !((m.frame->starts_map != 0) & (m.frame->has_base != 0) & on(kPresumedStart, m.k));

@@ -45,7 +45,6 @@ struct StandOnCell
 {
   const Map& m;
 
-  /** Whether no cell of a row is concerned. */
   TALUS_HD bool leaves_out(int iy) const
   {
     return m.frame->has_base == 0 ||
@@ -92,7 +91,6 @@ struct StandOnCell
   }
 
  private:
-  /** Whether the map has an object or a guess where the robot stands. */
   TALUS_HD bool drives_through(int i, float floor_m) const
   {
     const float above_m = kUnderFoot_steps * m.k.step_threshold_m;

@@ -11,7 +11,6 @@ namespace talus::kernels
 // unseen ground from above. Neighbours count in both directions: a cell beside what is hit in this
 // frame waits, and one amid cells that were left leaves with them.
 
-/** The result of the rays of this frame for one cell. */
 struct SeenThrough
 {
   /** Of the lowest rays of its directions the highest slope, as an ordered integer. */
@@ -19,7 +18,6 @@ struct SeenThrough
   std::int32_t unobstructed = 1;  //!< nothing was hit between the sensor and the cell
 };
 
-/** Adds one ray of a footprint. */
 TALUS_HD void add_ray(
     SeenThrough& seen, const RayFootprint& g, int which, const Config& k, const std::int32_t* rays)
 {
@@ -58,7 +56,6 @@ TALUS_HD void clear(Cell& c, std::uint8_t& surface_class, float limit)
   remove_object(c);
 }
 
-/** Finds the rays that passed over cell (ix, iy). */
 struct FindPassingRays
 {
   using Item = RayFootprint;
@@ -246,7 +243,6 @@ struct CleanUpCell
     return (top(i) > limit(at)) & (is_known(m.cell.elevation_m[i]) | kept);
   }
 
-  /** Whether rays passed below measured ground, and not above it on both sides. */
   TALUS_HD bool is_undercut(int ix, int iy, int i) const
   {
     const float ground_m = m.cell.ground_m[i];
@@ -264,7 +260,6 @@ struct CleanUpCell
     return !on_both_sides(over);
   }
 
-  /** Whether in more of the pairs around a cell an object moved away than still stands. */
   TALUS_HD bool leaves_with_others(int ix, int iy) const
   {
     if (!on(kAsAWhole, m.k)) return false;

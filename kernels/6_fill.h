@@ -62,7 +62,6 @@ struct SideSum
   }
 };
 
-/** The number of cells of a line in a distance. */
 TALUS_HD int cells_in(float distance_m, float cell_m, int rings)
 {
   return floor_to_int(min_of(distance_m / cell_m, static_cast<float>(rings)));
@@ -97,7 +96,6 @@ TALUS_HD bool ends_below_ground(float ends_m, float sample_m, float away_m)
   return !is_stood(sample_m) & (ends_m < sample_m - kEndsBelow_m - gentle_fall_m(away_m));
 }
 
-/** Heights of several lines, weighted by the gaps that they bridge. */
 struct LineFusion
 {
   float information = 0, weighted = 0, lowest_m = kInfinity;
@@ -256,7 +254,6 @@ struct FillCell
   }
 
  private:
-  /** The fields that stage 7 reads. */
   struct Filled
   {
     float ground_m, elevation_m;

@@ -28,7 +28,6 @@ struct LayOutGround
   }
 };
 
-/** Mean of the squares of some differences. */
 struct MeanSquare
 {
   float sum = 0, n = 0;
@@ -41,7 +40,6 @@ struct MeanSquare
     sum += d * d;
     n += select(known, 1.0f, 0.0f);
   }
-  /** 0 if there are none. */
   TALUS_HD float mean() const { return sum / max_of(n, 1.0f); }
 };
 

@@ -14,7 +14,6 @@ struct PassabilityAround
   int pitch;
 
   TALUS_HD bool blocks(int to) const { return at[to] == kImpassable; }
-  /** Whether it is final. */
   TALUS_HD bool is_settled(int to) const { return at[to] != kPassable; }
 };
 
@@ -222,13 +221,11 @@ struct CompleteObstacles
     return at.is_settled(row - 1) | at.is_settled(row) | at.is_settled(row + 1);
   }
 
-  /** Whether a neighbour at a side is impassable. */
   static TALUS_HD bool beside(const PassabilityAround& at)
   {
     return at.blocks(-1) || at.blocks(1) || at.blocks(-at.pitch) || at.blocks(at.pitch);
   }
 
-  /** Whether two opposite neighbours are impassable. */
   static TALUS_HD bool between(const PassabilityAround& at)
   {
     const auto both = [&at](int to) { return at.blocks(-to) && at.blocks(to); };

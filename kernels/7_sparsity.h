@@ -12,7 +12,6 @@ struct Gap
   float behind_m = kNan, behind_length_m = 0;  //!< the next one behind it, and how far that is
 };
 
-/** How far the ground falls in a gap. */
 struct Fall
 {
   float m = kNan;  //!< h_s of eq. 14; NaN: the ground on one side is too far

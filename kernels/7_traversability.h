@@ -29,7 +29,6 @@ struct alignas(16) RowSums
   }
 };
 
-/** Sums over the whole neighbourhood of one cell. */
 struct Moments
 {
   std::int32_t n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, ground = 0, x_ground = 0, y_ground = 0,
@@ -58,7 +57,6 @@ TALUS_HD double determinant(std::int32_t a, std::int32_t b, std::int32_t c, std:
          static_cast<double>(c) * static_cast<double>(d);
 }
 
-/** Whether the ground of all cells in the neighbourhood is known. */
 TALUS_HD bool is_whole(const Moments& m, const Config& k)
 {
   const int side = 2 * k.feature_radius_cells + 1;

@@ -139,7 +139,6 @@ struct ElevationMapper::Impl
     slot.connected = true;
   }
 
-  /** The slot of the next frame. */
   int free_slot(const char* call)
   {
     if (in_flight == kSlots)

@@ -28,7 +28,6 @@ inline WindowRect within(int cells, const WindowRect& rect, int n)
       std::min(rect.first_y + rect.height + cells, n) - y};
 }
 
-/** The rectangles of one loop. */
 struct WindowRects
 {
   static constexpr int kMax = 8;

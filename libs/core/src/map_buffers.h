@@ -19,7 +19,6 @@ struct Extent
   std::size_t size = 0, before = 0;
 };
 
-/** The size of each kind of array of kernels::Map. */
 struct MapSizes
 {
   MapSizes(const kernels::Config& k, bool on_device);
@@ -72,7 +71,6 @@ inline void MapSizes::set_points(
 
 namespace kernels
 {
-/** The arrays of cell.h and map.h. */
 template <template <class> class Buffer>
 struct MapArrays
 {
@@ -171,7 +169,6 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
 
   int side() const { return host_config.cells; }
   int cells() const { return side() * side(); }
-  /** The number of points of a loop. */
   int points(const Executor& executor) const
   {
     return executor.loop_size(now->n_points, this->point_cell.size());

@@ -6,7 +6,6 @@
 
 namespace talus
 {
-/** talus::Parameters as the kernels need them. */
 struct MapConfig
 {
   kernels::Config config;

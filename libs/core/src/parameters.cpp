@@ -185,7 +185,6 @@ void require_allowed(const ParameterInfo& info, double v)
       std::string(info.name) + " = " + number(v) + " is out of range: it must be " + allowed(info));
 }
 
-/** Checks that need more than one parameter. */
 void validate_combinations(const Parameters& p)
 {
   const auto fail = [](const std::string& what) { throw std::invalid_argument(what); };

@@ -87,7 +87,6 @@ const std::uint8_t* read_sensors(const Header& h, const std::uint8_t* from, Wind
   return from;
 }
 
-/** The cells of a state, as a map has them. */
 kernels::CellStore cells_in(std::vector<std::uint8_t>& bytes, std::size_t cells)
 {
   kernels::CellStore store{};
@@ -99,7 +98,6 @@ kernels::CellStore cells_in(std::vector<std::uint8_t>& bytes, std::size_t cells)
   return store;
 }
 
-/** Checks what the stages rely on. */
 void check_cells(MapBytes& map, std::size_t cells)
 {
   const auto is_surface = [](float height_m, float variance_m2)

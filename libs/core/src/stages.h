@@ -51,7 +51,6 @@ class StageLoops
   Executor& executor_;
 };
 
-/** Keeps one point of each voxel, where that is wanted. */
 template <class Executor>
 void filter_voxels(MapBuffers<Executor>& map, Executor& executor, const kernels::Map& m)
 {
@@ -90,7 +89,6 @@ void estimate_variance(On& on, const kernels::Map& m, const Rects& cells)
     on.template cells<kernels::EstimateVariance>(m, within(kernels::kAskedCells, rect, m.k.cells));
 }
 
-/** Stage 6. */
 template <class On>
 void fill(On& on, const kernels::Map& m)
 {
@@ -115,7 +113,6 @@ void reach_first(On& on, const kernels::Map& m)
   on.template cells<ForgetFill>(m, window_of(m));
 }
 
-/** The stages of a frame, in their order. */
 template <class On>
 void run_stages(On& on, const kernels::Map& m, bool starts_map)
 {

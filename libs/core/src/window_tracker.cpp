@@ -63,7 +63,6 @@ int rings_around(int x, int y, int n)
   return std::min(farthest + 2, kernels::most_rings(n));
 }
 
-/** Resamples the path of the sensor at equal steps of time. */
 void resample_path(const Frame& frame, double min_x_m, double min_y_m, kernels::FrameContext& f)
 {
   const auto& path = frame.path;
@@ -91,7 +90,6 @@ void locate_points(const Frame& frame, double min_x_m, double min_y_m, kernels::
   if (f.has_times) resample_path(frame, min_x_m, min_y_m, f);
 }
 
-/** Finds where the robot stands and how the ground below it slopes. */
 void locate_base(
     const Frame& frame, const Pose& T_map_base, double min_x_m, double min_y_m,
     kernels::FrameContext& f)

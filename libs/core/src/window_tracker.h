@@ -36,7 +36,6 @@ struct WindowTracker
 
   /** The pose of the base. Throws as advance() does. */
   static Pose checked_base(const Frame& frame, const Parameters& p);
-  /** The first cell of the window around a base. */
   static std::pair<std::int64_t, std::int64_t> min_cell(
       const Pose& T_map_base, const Parameters& p);
   /** Row or column where a window of n x n stores a cell, counted from the origin. */

@@ -161,7 +161,6 @@ struct SamplesOfLine
   }
 };
 
-/** The data for the search of one cell along one line. */
 template <class Line>
 struct LineSearch
 {
@@ -240,7 +239,6 @@ struct SearchAndFillCell
   static constexpr int kLines = 3;
   using Side = SideEstimate;
   using Line = LineFusion;
-  /** What the line from the sensor has behind the cell. */
   struct Behind
   {
     std::int32_t cells = 0;  //!< to the nearest sample; 0: none
@@ -334,7 +332,6 @@ struct SearchAndFillCell
         along_x ? ix : iy};
   }
 
-  /** The result of the line from the sensor. */
   TALUS_HD Inferred beside_sensor(
       const LineSearch<Track>& radial, int ix, int iy, const SideEstimate& inner,
       const SideEstimate& outer, const Behind& behind, const LineFusion& lines) const

@@ -57,7 +57,6 @@ __device__ inline void finish(bool beside_last)
 #endif
 }
 
-/** The last block notes the time. */
 __device__ inline void note_time(std::uint64_t* done_ns)
 {
   const bool last = blockIdx.x == gridDim.x - 1 && blockIdx.y == gridDim.y - 1;
@@ -487,7 +486,6 @@ __global__ void __launch_bounds__((2 * F::kLines + 1) * 32) over_cells_by_lines(
   note_time(done_ns);
 }
 
-/** Copies words from host memory. */
 __global__ void __launch_bounds__(kThreads)
     fetch(int n, const std::uint32_t* from, std::uint32_t* to, std::uint64_t* done_ns)
 {

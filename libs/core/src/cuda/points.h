@@ -63,7 +63,6 @@ struct ForgetReach
   }
 };
 
-/** The first point of a cell reserves its range. */
 template <class Atomics>
 struct ReserveRange
 {

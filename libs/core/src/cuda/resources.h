@@ -79,7 +79,6 @@ class HostRegistration
     if (memory_ && cudaHostGetDevicePointer(&device, memory, 0) == cudaSuccess) device_ = device;
     static_cast<void>(cudaGetLastError());
   }
-  /** The device's address, or null. */
   void* device() const { return device_; }
 
  private:
