@@ -64,14 +64,14 @@ struct FollowPoses
   template <class Group>
   TALUS_HD void operator()(const Group& group) const
   {
-    const Agreement most = agreement(group);
+    const Agreement best = agreement(group);
     const int far = static_cast<int>(m.offsets->far);
     group.sync();
     for (int bin = group.rank(); bin < OffsetHistogram::kBins; bin += group.size())
       m.offsets->count[bin] = m.offsets->sum[bin] = 0;
     if (group.rank() != 0) return;
     m.offsets->far = 0;
-    decide(most, far);
+    decide(best, far);
     m.frame->drove_through_m = static_cast<float>(m.datum->drove_through) * kDrivenUnit_m;
     m.datum->drove_through = 0;
     m.frame->offset_m = m.datum->offset_m;
@@ -95,33 +95,33 @@ struct FollowPoses
   template <class Group>
   TALUS_HD Agreement agreement(const Group& group) const
   {
-    int all = 0, most = 0, where = -1;
+    int all = 0, max_hits = 0, where = -1;
     for (int bin = group.rank(); bin < OffsetHistogram::kBins; bin += group.size())
     {
       all += static_cast<int>(m.offsets->count[bin]);
-      most = max_of(most, hits_around(bin));
+      max_hits = max_of(max_hits, hits_around(bin));
     }
-    most = group.max(most);
+    max_hits = group.max(max_hits);
     for (int bin = group.rank(); bin < OffsetHistogram::kBins; bin += group.size())
-      if (hits_around(bin) == most) where = max_of(where, bin);
+      if (hits_around(bin) == max_hits) where = max_of(where, bin);
     where = group.max(where);
     std::uint32_t sum = 0;
     for (int bin = max_of(where - 1, 0); bin <= min_of(where + 1, OffsetHistogram::kBins - 1);
          bin++)
       sum += m.offsets->sum[bin];
-    return {most, static_cast<int>(sum), group.sum(all)};
+    return {max_hits, static_cast<int>(sum), group.sum(all)};
   }
 
-  TALUS_HD void decide(const Agreement& most, int far) const
+  TALUS_HD void decide(const Agreement& best, int far) const
   {
     Datum now = *m.datum;
     if (now.starts_anew != 0)
       now.offset_m = 0.0f, now.starts_anew = 0, m.frame->starts_map = 1;
-    else if (const int all = most.of + far; all >= kMinGroundHits)
+    else if (const int all = best.of + far; all >= kMinGroundHits)
     {
       const float above_m =
-          static_cast<float>(most.sum) / (static_cast<float>(most.hits) * kHeightUnits);
-      const bool agree = 2 * most.hits > all && abs_of(above_m) > kFollow_m;
+          static_cast<float>(best.sum) / (static_cast<float>(best.hits) * kHeightUnits);
+      const bool agree = 2 * best.hits > all && abs_of(above_m) > kFollow_m;
       if (agree && on(kFollowsPoses, m.k)) now.offset_m += above_m;
       now.starts_anew = select((kOtherFloorOneIn * far > all) & on(kFollowsPoses, m.k), 1, 0);
     }

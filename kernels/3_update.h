@@ -165,7 +165,7 @@ TALUS_HD bool all_hang(const Cell& c, const Extremes& ends, const Config& k)
 }
 
 /** The ground keeps the lowest surface: points inside the gate are fused, a lower point replaces
- * it, higher points are no ground. Filled ground gives way to any measurement. */
+ * it, higher points are no ground. Any measurement replaces filled ground. */
 TALUS_HD FusionPlan plan_ground(const Cell& c, const HeightPoint& low, const Config& k)
 {
   const bool measured = c.state == kMeasured;
@@ -532,16 +532,16 @@ struct UpdateCell
   {
     constexpr int kBatch = kCells == 1 ? 8 : 2;
     std::uint32_t begin[kCells];
-    int size[kCells], most = 0;
+    int size[kCells], max_size = 0;
     for (int c = 0; c < kCells; c++)
     {
       const int i = max_of(cells[c], 0);
       begin[c] = m.cell_begin[i];
       size[c] = select(cells[c] < 0, 0, static_cast<int>(m.kept_count[i]));
     }
-    for (int c = 0; c < kCells; c++) most = max_of(most, size[c]);
+    for (int c = 0; c < kCells; c++) max_size = max_of(max_size, size[c]);
     int beside = 0;
-    for (int first = 0; first < most && beside <= kOthersBesideHit; first += kBatch)
+    for (int first = 0; first < max_size && beside <= kOthersBesideHit; first += kBatch)
     {
       float height_m[kCells * kBatch];
       for (int b = 0; b < kCells * kBatch; b++)

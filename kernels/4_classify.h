@@ -17,8 +17,8 @@ struct ClassifyCell
     const float ground_m = m.cell.ground_m[i];
     const bool reached = m.pair_reach[pair] == kPairReached,
                apart = ground_m > m.pair_apart_m[pair];
-    const int asked = select(reached, 0, kObjectTop | select(apart, kWasPassable, 0));
-    const int top = select((before & asked) != 0, kObjectTop, 0);
+    const int marks = select(reached, 0, kObjectTop | select(apart, kWasPassable, 0));
+    const int top = select((before & marks) != 0, kObjectTop, 0);
     const int result = class_of(state, (ground_m > m.pair_limit_m[pair]) | (apart & (top != 0)));
     m.cell.flags[i] = static_cast<std::uint8_t>(
         (before & ~(kWasReached | kObjectTop)) | select(reached, kWasReached, 0) | top);

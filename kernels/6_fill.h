@@ -4,7 +4,7 @@
 namespace talus::kernels
 {
 // Stage 6 (III-B.3): ground of cells that were not measured, from samples on both sides along the
-// line to the sensor. Each executor finds samples in its own way: a device searches for each cell
+// line to the sensor. Executors find samples differently: a device searches for each cell
 // (libs/core/src/cuda/fill_search.h), a core sweeps along many lines at once
 // (libs/core/src/cpu/lines.h). The formulas are the same.
 

@@ -13,7 +13,7 @@ constexpr float kStrayVariance = 6.0f;
 /** Frames do not average out what a beam errs along its ring: where one axis alone is known,
  * heights err three times as much, where none is, by 0.2 degrees; chosen on labelled scans. */
 constexpr float kBesideRing = 3.0f, kBeamBias_rad = 0.0035f;
-/** Cells beyond these of all sides are not asked by EstimateVariance. */
+/** Cells beyond these of all sides are not read by EstimateVariance. */
 constexpr int kAskedCells = kStrayCells + 1;
 
 /** Copies measured ground to window order, where EstimateVariance reads it. */

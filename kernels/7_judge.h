@@ -71,8 +71,8 @@ struct ComputeFeatures
   TALUS_HD void finish(int ix, int iy, const Moments&) const
   {
     const int window_i = m.window_at(ix, iy);
-    const Judgement most{m.out.traversability[window_i], m.passability[window_i]};
-    put(ix, iy, settle(ix, iy, most, true));
+    const Judgement before{m.out.traversability[window_i], m.passability[window_i]};
+    put(ix, iy, settle(ix, iy, before, true));
   }
   /** Does all of that and returns it. Feature layers are stored for the caller's `own` cells. */
   TALUS_HD Judgement judge(int ix, int iy, const Moments& sums, bool own) const
@@ -115,7 +115,7 @@ struct ComputeFeatures
     return {select(judged, score, kNan), select(judged, of_judged, static_cast<int>(kPassable))};
   }
   /** Makes cells that may drop, and steep cells at no low step, impassable. */
-  TALUS_HD Judgement settle(int ix, int iy, const Judgement& most, bool own) const
+  TALUS_HD Judgement settle(int ix, int iy, const Judgement& before, bool own) const
   {
     const Judgement impassable{0.0f, kImpassable};
     if (neighbour(ix, iy).is(kSurfacePossibleDropOff))
@@ -124,8 +124,8 @@ struct ComputeFeatures
         if (own) m.out.sparsity[m.window_at(ix, iy)] = drop_off_score(ix, iy);
       return impassable;
     }
-    const bool steep = most.passability == kSteep && !LowStep{m}.is_at(ix, iy);
-    return steep ? impassable : most;
+    const bool steep = before.passability == kSteep && !LowStep{m}.is_at(ix, iy);
+    return steep ? impassable : before;
   }
   /** Whether eq. 14 applies. The sensor's own cell lies on no line. */
   TALUS_HD bool is_near(int ix, int iy) const

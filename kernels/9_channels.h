@@ -114,7 +114,7 @@ struct PutChannel
   }
 };
 
-/** The traversability of a cell that was judged is the least of the map's score and those of its
+/** The traversability of a cell that was judged is the minimum of the map's score and those of its
  * classes. Nowhere else do channels decide. */
 struct TakeClassScores
 {

@@ -116,7 +116,7 @@ struct Channel
     return static_cast<std::uint64_t>(static_cast<std::int64_t>(units));
   }
   static TALUS_HD ChannelValue
-  mean_with(const ChannelValue& known, const ChannelSum& of_frame, std::uint32_t most)
+  mean_with(const ChannelValue& known, const ChannelSum& of_frame, std::uint32_t max_weight)
   {
     const double sum = static_cast<double>(static_cast<std::int64_t>(of_frame.units));
     const double points = static_cast<double>(of_frame.points);
@@ -126,7 +126,8 @@ struct Channel
     ChannelValue now;
     now.value = static_cast<float>(before + share * (mean - before));
     // Of points, too, there may be more than an integer of 32 bits holds together with the weight.
-    now.weight = of_frame.points >= most - known.weight ? most : known.weight + of_frame.points;
+    now.weight =
+        of_frame.points >= max_weight - known.weight ? max_weight : known.weight + of_frame.points;
     return now;
   }
   /** Adds the votes of the frame; the class with the most becomes the value, of several the first.
@@ -143,16 +144,16 @@ struct Channel
       return;
     }
     std::uint32_t all = 0;
-    int most = 0;
+    int winner = 0;
     for (int c = 0; c < kClasses; c++)
     {
       votes.of_frame[c] += votes.kept[c];
       all += votes.of_frame[c];
-      if (votes.of_frame[c] > votes.of_frame[most]) most = c;
+      if (votes.of_frame[c] > votes.of_frame[winner]) winner = c;
     }
     int halvings = 0;
     while (all >> halvings > kVotesOfPoints) halvings++;
-    known = {static_cast<float>(most), 0};
+    known = {static_cast<float>(winner), 0};
     for (int c = 0; c < kClasses; c++)
     {
       votes.kept[c] = static_cast<std::uint8_t>(votes.of_frame[c] >> halvings);

@@ -95,10 +95,10 @@ struct OverhangRays
     bool all = footprint.rays() > 0 && !bins.none();
     for (int first = bins.first; all && first < bins.end; first += width)
     {
-      int most = kNoneAimed;
+      int worst = kNoneAimed;
       for (int which = group.rank(); which < footprint.rays(); which += group.size())
-        most = max_of(most, static_cast<int>(aimed(bin(which), first, first + width)));
-      all = group.max(most) == kAllWentOn;
+        worst = max_of(worst, static_cast<int>(aimed(bin(which), first, first + width)));
+      all = group.max(worst) == kAllWentOn;
     }
     return all;
   }

@@ -224,8 +224,8 @@ void Parameters::validate() const
 
 const std::vector<ParameterInfo>& parameter_table()
 {
-#define TALUS_NUMBER(type, name, value, unit, least, most, meaning) \
-  entry<&Parameters::name>(#name, unit, least, most, meaning),
+#define TALUS_NUMBER(type, name, value, unit, min, max, meaning) \
+  entry<&Parameters::name>(#name, unit, min, max, meaning),
 #define TALUS_TEXT(type, name, to_text, from_text, unit, meaning) \
   text_entry<&Parameters::name, to_text, from_text>(#name, unit, meaning),
   static const std::vector<ParameterInfo> table{TALUS_PARAMETERS(TALUS_NUMBER, TALUS_TEXT)};
@@ -249,12 +249,12 @@ bool is_same_value(const ParameterInfo& info, const Parameters& a, const Paramet
 std::string nearest_name(const std::string& name, const std::vector<std::string>& names)
 {
   const auto wanted = lower_case(name);
-  std::size_t least = std::max<std::size_t>(1, wanted.size() / 3) + 1;
+  std::size_t shortest = std::max<std::size_t>(1, wanted.size() / 3) + 1;
   std::string nearest;
   for (const auto& known : names)
-    if (const auto distance = distance_to_name(wanted, lower_case(known)); distance < least)
+    if (const auto distance = distance_to_name(wanted, lower_case(known)); distance < shortest)
     {
-      least = distance;
+      shortest = distance;
       nearest = known;
     }
   return nearest;

@@ -18,7 +18,7 @@ constexpr double kMaxHeight_m = 1e5;  //!< floats are 8 mm apart there
 constexpr double kNotRigid = 0.01;
 constexpr double kFarthestSensor_m = 1000;  //!< from the base
 constexpr double kMinSensorHeight_m = 0.1;  //!< a lower sensor has its base above the ground
-constexpr double kMinUpright = 1e-6;  //!< least z component of the z axis of an upright base
+constexpr double kMinUpright = 1e-6;  //!< min z component of the z axis of an upright base
 constexpr std::array<double, 3> kNotSeen{0, 0, 0};  //!< no axis
 
 kernels::WindowPose window_pose(const Pose& T_map_sensor, double min_x_m, double min_y_m)
@@ -84,7 +84,11 @@ void locate_points(const Frame& frame, double min_x_m, double min_y_m, kernels::
 {
   f.n_points = static_cast<int>(frame.size);
   f.n_poses = 1;
-  f.poses[0] = window_pose(frame.T_map_sensor, min_x_m, min_y_m);
+  const kernels::WindowPose sensor = window_pose(frame.T_map_sensor, min_x_m, min_y_m);
+  f.poses[0] = sensor;
+  f.sensor_x_m = sensor.m[3];
+  f.sensor_y_m = sensor.m[7];
+  f.sensor_z_map_m = f.sensor_z_m = sensor.m[11];
   const bool moves = frame.path.size() >= 2 && frame.path.back().time_s > frame.path.front().time_s;
   f.has_times = frame.time_s && moves;
   if (f.has_times) resample_path(frame, min_x_m, min_y_m, f);
@@ -106,6 +110,22 @@ void locate_base(
   { return static_cast<float>(std::clamp(-normal / std::max(m[10], kMinUpright), -1.0, 1.0)); };
   f.base_slope_x = slope(m[2]);
   f.base_slope_y = slope(m[6]);
+}
+
+/** The values of a frame in the window with this first cell, whatever came before. */
+kernels::FrameContext context_in(
+    const Frame& frame, const Pose& T_map_base, std::int64_t x, std::int64_t y, const Parameters& p)
+{
+  const double min_x_m = static_cast<double>(x) * p.resolution_m;
+  const double min_y_m = static_cast<double>(y) * p.resolution_m;
+  kernels::FrameContext f{};
+  f.storage_x = WindowTracker::storage(x, p.cells());
+  f.storage_y = WindowTracker::storage(y, p.cells());
+  f.odd_x = static_cast<int>(x & 1);
+  f.odd_y = static_cast<int>(y & 1);
+  locate_points(frame, min_x_m, min_y_m, f);
+  locate_base(frame, T_map_base, min_x_m, min_y_m, f);
+  return f;
 }
 
 bool is_rotation(const Eigen::Matrix3d& R)
@@ -231,32 +251,18 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
   const std::array<double, 3> z_axis{m[2], m[6], m[10]};
   std::array<double, 3>& last_z_axis = z_axis_of(frame.sensor);
 
-  kernels::FrameContext f{};
+  kernels::FrameContext f = context_in(frame, T_map_base, x, y, p);
   const auto moved = [&](std::int64_t now, std::int64_t before)
   { return started ? static_cast<int>(std::clamp<std::int64_t>(now - before, -n, n)) : n; };
   f.starts_map = !started;
   f.moved_x = moved(x, min_cell_x);
   f.moved_y = moved(y, min_cell_y);
-  f.storage_x = storage(x, n);
-  f.storage_y = storage(y, n);
-  f.odd_x = static_cast<int>(x & 1);
-  f.odd_y = static_cast<int>(y & 1);
   f.pose_change2 = last_z_axis == kNotSeen
                        ? 0.0f
                        : static_cast<float>(pose_change_factor(last_z_axis, z_axis, p.lambda_t));
-
-  const double min_x_m = static_cast<double>(x) * p.resolution_m;
-  const double min_y_m = static_cast<double>(y) * p.resolution_m;
-  locate_points(frame, min_x_m, min_y_m, f);
-  const kernels::WindowPose sensor = window_pose(frame.T_map_sensor, min_x_m, min_y_m);
-  f.sensor_x_m = sensor.m[3];
-  f.sensor_y_m = sensor.m[7];
-  f.sensor_z_map_m = f.sensor_z_m = sensor.m[11];
   f.rings = rings_around(
       static_cast<int>(cell_of(frame.T_map_sensor.x(), p.resolution_m) - x),
       static_cast<int>(cell_of(frame.T_map_sensor.y(), p.resolution_m) - y), n);
-  locate_base(frame, T_map_base, min_x_m, min_y_m, f);
-
   started = true;
   min_cell_x = x;
   min_cell_y = y;
@@ -266,18 +272,7 @@ kernels::FrameContext WindowTracker::advance(const Frame& frame, const Parameter
 
 kernels::FrameContext WindowTracker::look_up(const Frame& frame, const Parameters& p) const
 {
-  const Pose T_map_base = checked_base(frame, p);
-  const double min_x_m = static_cast<double>(min_cell_x) * p.resolution_m;
-  const double min_y_m = static_cast<double>(min_cell_y) * p.resolution_m;
-  kernels::FrameContext f{};
-  f.storage_x = storage(min_cell_x, p.cells());
-  f.storage_y = storage(min_cell_y, p.cells());
-  f.odd_x = static_cast<int>(min_cell_x & 1);
-  f.odd_y = static_cast<int>(min_cell_y & 1);
-  f.sensor_z_map_m = static_cast<float>(frame.T_map_sensor.z());
-  locate_points(frame, min_x_m, min_y_m, f);
-  locate_base(frame, T_map_base, min_x_m, min_y_m, f);
-  return f;
+  return context_in(frame, checked_base(frame, p), min_cell_x, min_cell_y, p);
 }
 
 }  // namespace talus

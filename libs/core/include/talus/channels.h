@@ -9,7 +9,7 @@ namespace talus
 {
 struct Frame;
 
-constexpr std::size_t kMaxChannels = 4;  //!< the most channels of a map
+constexpr std::size_t kMaxChannels = 4;  //!< max channels of a map
 constexpr int kChannelClasses = 16;  //!< classes of a channel that is put to the vote: 0 to 15
 
 /** How the values of a channel become one value of a cell. */
@@ -42,7 +42,7 @@ struct ChannelCost
 {
   std::string channel;  //!< its name
   int class_of = 0;  //!< from 0 to 15
-  double score = 0;  //!< [0, 1] the most that a cell of this class gets; 0: impassable
+  double score = 0;  //!< [0, 1] max score of a cell of this class; 0: impassable
 };
 
 /** The surfaces of a cell that have values of their own: the ground, and what stands on it. */

@@ -23,7 +23,7 @@ struct Pose
   double z() const { return m[11]; }
 };
 
-constexpr std::size_t kMaxSensors = 64;  //!< the most sensors of one map
+constexpr std::size_t kMaxSensors = 64;  //!< max sensors of one map
 
 /** A pose valid at a time [s], relative to the stamp of its frame. */
 struct TimedPose

@@ -10,7 +10,7 @@ namespace talus
 /** Max cells along a side: indices of cells have 32 bits, resident layers take below 16 GB. */
 constexpr int kMaxCellsASide = 16384;
 
-constexpr std::size_t kMaxBodyBoxes = 32;  //!< most boxes of the robot's body
+constexpr std::size_t kMaxBodyBoxes = 32;  //!< max boxes of the robot's body
 
 /** A box of the robot's own body, in the frame of its base [m]. */
 struct BodyBox
@@ -20,7 +20,7 @@ struct BodyBox
 };
 
 // Each parameter once, in the order of the pipeline, which is that of help and pages:
-// NUMBER(type, name, default, unit, least, most, meaning) and TEXT(type, name, to_text, from_text,
+// NUMBER(type, name, default, unit, min, max, meaning) and TEXT(type, name, to_text, from_text,
 // unit, meaning).
 // clang-format off
 #define TALUS_PARAMETERS(NUMBER, TEXT) \
@@ -89,7 +89,7 @@ struct BodyBox
  * why not. Without the sensor's pose on the robot the base of body_boxes_m is the sensor. */
 struct Parameters
 {
-#define TALUS_NUMBER(type, name, value, unit, least, most, meaning) type name = value;
+#define TALUS_NUMBER(type, name, value, unit, min, max, meaning) type name = value;
 #define TALUS_TEXT(type, name, to_text, from_text, unit, meaning) type name{};
   TALUS_PARAMETERS(TALUS_NUMBER, TALUS_TEXT)
 #undef TALUS_NUMBER

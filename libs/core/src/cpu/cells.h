@@ -10,7 +10,7 @@
 
 namespace talus::cells
 {
-/** Cells side by side, and their most points; larger cells are updated one by one. */
+/** Cells side by side, and their max number of points; larger cells are updated one by one. */
 constexpr int kLanes = 32, kMax = 32;
 
 template <class T>

@@ -50,7 +50,7 @@ struct Strip
   float cell_m[kLanes] = {};  //!< length of a line in each cell
   int fill_cells[kLanes] = {},
       sparsity_cells[kLanes] = {};  //!< cells that fills and stage 7 search
-  int reach = 0, far_reach = 0;  //!< most of fill_cells and of sparsity_cells
+  int reach = 0, far_reach = 0;  //!< max of fill_cells and of sparsity_cells
   int near_robot = 0;  //!< from this index on all are too far for eq. 14
 
   const Crossing& at(int index, bool parallel) const { return crossings[parallel ? 0 : index]; }

@@ -24,7 +24,7 @@ struct SweepRays
  private:
   static constexpr int kBlock = 256, kGroup = 32;
 
-  /** Sums of some directions on the way outwards. */
+  /** Sums of some directions outwards. */
   struct Directions
   {
     BuriedBelow seen[kBlock];

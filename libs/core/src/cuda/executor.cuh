@@ -237,7 +237,8 @@ class CudaExecutor
         loops::from_host<F, T>, dim3(blocks(n, loops::kHandedOver)), dim3(loops::kHandedOver), 0, n,
         f, from);
   }
-  /** `First` for so many elements and `Then` for the others of n, beside `Cells` for nx * ny. */
+  /** `First` for the first `firsts` elements and `Then` for the others of n, beside `Cells` for nx
+   * * ny. */
   template <class First, class Then, class Cells>
   void for_each_beside(const kernels::Map& m, int firsts, int n, int nx, int ny)
   {
@@ -288,8 +289,9 @@ class CudaExecutor
   {
     // High tiles share more rows; with few cells low tiles spread over the device, one round each.
     constexpr int rows = loops::kWindowThreads;
-    const int most = std::min(loops::kJudgedRows, loops::kMaxRows - 2 * radius);
-    const int height = (nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : most) - 2;
+    const int max_rows = std::min(loops::kJudgedRows, loops::kMaxRows - 2 * radius);
+    const int height =
+        (nx * ny < kManyThreads ? std::max(rows - 2 * radius, rows / 4) : max_rows) - 2;
     const auto size = static_cast<std::size_t>(loops::kTileWidth * (height + 2 + 2 * radius));
     const dim3 grid(blocks(nx, loops::kTileWidth - 2), blocks(end - first, height));
     launch(

@@ -13,9 +13,9 @@
 
 namespace talus::loops
 {
-constexpr int kThreads = 256;  //!< most of a block over a range
-constexpr int kTileWidth = 32, kTileRows = 8;  //!< most of a block over cells
-// Least blocks of a multiprocessor, which bound the registers. For blocks over bits, since the one
+constexpr int kThreads = 256;  //!< max of a block over a range
+constexpr int kTileWidth = 32, kTileRows = 8;  //!< max of a block over cells
+// Min blocks of a multiprocessor, which bound the registers. For blocks over bits, since the one
 // warp that does more must not take the registers of the others.
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
 constexpr int kTilesAtOnce = 4, kBitBlocksAtOnce = 4;
@@ -24,8 +24,8 @@ constexpr int kTilesAtOnce = 5, kBitBlocksAtOnce = 6;
 #endif
 constexpr int kHandedOver = 64;  //!< of a block that hands over records
 constexpr int kWindowThreads = 16;  //!< rows of a block with neighbourhoods
-constexpr int kJudgedRows = 2 * kWindowThreads;  //!< most of a tile that overlaps with others
-constexpr int kMaxRows = 43;  //!< most that such a tile sums, to fit into shared memory
+constexpr int kJudgedRows = 2 * kWindowThreads;  //!< max of a tile that overlaps with others
+constexpr int kMaxRows = 43;  //!< max that such a tile sums, to fit into shared memory
 
 /** With programmatic dependent launch a kernel is brought up while its predecessor still runs. This
  * waits for the predecessor's results, then lets the successor come up. */
