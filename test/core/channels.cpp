@@ -149,15 +149,15 @@ TEST(Channels, WhatHangsOrMovedAwayCountsForNeither)
 
 TEST(Channels, PointsGoWhereTheirLabelsSay)
 {
-  ChannelMap m("max"), told("mean");
+  ChannelMap m("max"), labelled("mean");
   for (int i = 0; i < 3; i++)
   {
     const Scan scan =
         Scan(0.1 * i, 0).cast({{{1.5, -0.4, 0}, {2, 0.4, 0.8}}, {{-3, -2, 0}, {-1.2, 2, 0.5}}});
-    told.update(scan);
+    labelled.update(scan);
     Frame frame = scan.frame();
     std::vector<float> labels;
-    for (const PointLabel l : label_points(told.map, frame))
+    for (const PointLabel l : label_points(labelled.map, frame))
       labels.push_back(static_cast<float>(l));
     frame.channels[0] = labels.data();
     m.map.update(frame);
@@ -310,9 +310,8 @@ TEST(Channels, VotesAreClearedWithTheCell)
 TEST(Channels, AreNotInASavedMapAndStayWhenOutputsAreSet)
 {
   ChannelMap m("vote"), restored("vote");
-  TestMap plain;
   m.see(kFloorAndBox, 4);
-  plain.update(kFloorAndBox);
+  TestMap plain(kFloorAndBox);
   EXPECT_EQ(m.map.save(), plain.map.save());
   restored.map.restore(m.map.save());
   EXPECT_TRUE(std::isnan(restored.ground()));
@@ -428,12 +427,11 @@ struct CostMap : TestMap
 TEST(Channels, TraversabilityIsTheLeastOfTheScoreAndThoseOfTheClasses)
 {
   CostMap m;
-  TestMap plain;
   const auto class_at = [](double x, double y, double z) {
     return z > 0.2 ? 3.0F : x < 0 ? (y < 0 ? 3.0F : 7.0F) : y < 0 ? 9.0F : 1.0F;
   };
   m.map.update(ValuedScan(kFloorAndBox, class_at).frame());
-  plain.update(kFloorAndBox);
+  TestMap plain(kFloorAndBox);
   const MapView free(plain.map);
   EXPECT_EQ(m.score(-1.02, -1.02), 0);
   EXPECT_EQ(m.score(-1.02, 1.02), 0.5F);

@@ -31,19 +31,21 @@ class Parts
   float ahead_m_ = 3, beside_m_ = 0;
 };
 
-/** What a gatherer passed on. */
-struct Scans
+/** A gatherer of such parts, and what it passed on. */
+struct Gathered
 {
+  FrameGatherer gatherer;
+  Parts part;
   std::vector<double> stamp_s;
   std::vector<std::size_t> points;
-  FrameGatherer::Take take()
+  FrameGatherer::Take take = [this](const Frame& scan)
   {
-    return [this](const Frame& scan)
-    {
-      stamp_s.push_back(scan.stamp_s);
-      points.push_back(scan.size);
-    };
-  }
+    stamp_s.push_back(scan.stamp_s);
+    points.push_back(scan.size);
+  };
+  void add(const Frame& frame) { gatherer.add(frame, take); }
+  void add(double at_s, std::uint32_t sensor = 0) { add(scans.part(at_s, sensor)); }
+  void finish() { gatherer.finish(take); }
 };
 
 using Counts = std::vector<std::size_t>;
@@ -51,10 +53,8 @@ using Counts = std::vector<std::size_t>;
 /** The numbers of points of the scans made of frames of one point, so many seconds apart. */
 Counts scans_of(int frames, double apart_s, double from_s = 1.7e9)
 {
-  FrameGatherer gatherer;
-  Parts part;
-  Scans scans;
-  for (int i = 0; i < frames; i++) gatherer.add(part(from_s + apart_s * i), scans.take());
+  Gathered scans;
+  for (int i = 0; i < frames; i++) scans.add(from_s + apart_s * i);
   return scans.points;
 }
 
@@ -117,72 +117,59 @@ TEST(FrameGatherer, GivesEachPointTheTimeAndThePoseOfItsPart)
 
 TEST(FrameGatherer, AfterAGapPartsArePartsAndWholeScansAreWhole)
 {
-  FrameGatherer gatherer;
-  Parts part;
-  Scans bursts;  // five times a second, a tenth of a second each
+  Gathered bursts;  // five times a second, a tenth of a second each
   for (int burst = 0; burst < 3; burst++)
-    for (int i = 0; i < 10; i++) gatherer.add(part(0.2 * burst + 0.01 * i), bursts.take());
+    for (int i = 0; i < 10; i++) bursts.add(0.2 * burst + 0.01 * i);
   EXPECT_EQ(bursts.points, (Counts{1, 9, 10, 10}));
-  Scans whole;  // one frame comes soon after the one before
-  FrameGatherer other;
-  for (const double stamp_s : {0.0, 0.1, 0.13, 0.3, 0.4, 0.5})
-    other.add(part(stamp_s), whole.take());
+  Gathered whole;  // one frame comes soon after the one before
+  for (const double stamp_s : {0.0, 0.1, 0.13, 0.3, 0.4, 0.5}) whole.add(stamp_s);
   EXPECT_EQ(whole.stamp_s, (std::vector<double>{0, 0.1, 0.13, 0.3, 0.4, 0.5}));
   EXPECT_EQ(whole.points, Counts(6, 1));
 }
 
 TEST(FrameGatherer, GathersEachSensorByItself)
 {
-  FrameGatherer gatherer;
-  Parts part;
-  Scans scans;
+  Gathered scans;
   for (int i = 0; i <= 10; i++)
-    for (const std::uint32_t sensor : {4u, 7u})
-      gatherer.add(part(1 + 0.01 * i + 0.002 * sensor, sensor), scans.take());
+    for (const std::uint32_t sensor : {4u, 7u}) scans.add(1 + 0.01 * i + 0.002 * sensor, sensor);
   EXPECT_EQ(scans.points, (Counts{1, 1, 10, 10}));
 }
 
 TEST(FrameGatherer, PassesOnTheRestAtTheEnd)
 {
-  FrameGatherer gatherer;
-  Parts part;
-  Scans scans;
-  for (int i = 0; i < 4; i++) gatherer.add(part(0.01 * i), scans.take());
-  gatherer.finish(scans.take());
-  gatherer.finish(scans.take());
+  Gathered scans;
+  for (int i = 0; i < 4; i++) scans.add(0.01 * i);
+  scans.finish();
+  scans.finish();
   EXPECT_EQ(scans.points, (Counts{1, 3}));
   EXPECT_EQ(scans.stamp_s.back(), 0.03);
 }
 
 TEST(FrameGatherer, GathersNoMorePointsThanAScanHas)
 {
-  FrameGatherer gatherer;
-  Parts part;
-  Scans scans;
+  Gathered scans;
   const std::vector<float> many(300000);
   for (int i = 0; i < 9; i++)
   {
-    Frame f = part(1 + 1e-6 * i);
+    Frame f = scans.part(1 + 1e-6 * i);
     f.x_m = f.y_m = f.z_m = many.data();
     f.size = many.size();
-    gatherer.add(f, scans.take());
+    scans.add(f);
   }
   EXPECT_EQ(scans.points, (Counts{300000, 1200000, 1200000}));
 }
 
 TEST(FrameGatherer, TakesNoPartWithoutCoordinates)
 {
-  FrameGatherer gatherer;
-  Parts part;
-  Scans scans;
-  gatherer.add(part(1), scans.take());
-  Frame broken = part(1.01);
+  Gathered scans;
+  scans.add(1);
+  Frame broken = scans.part(1.01);
   broken.z_m = nullptr;
-  EXPECT_THROW(gatherer.add(broken, scans.take()), std::invalid_argument);
+  EXPECT_THROW(scans.add(broken), std::invalid_argument);
   broken.size = 0;
   broken.stamp_s = 1.02;
-  gatherer.add(broken, scans.take());
-  gatherer.finish(scans.take());
+  scans.add(broken);
+  scans.finish();
   EXPECT_EQ(scans.points, (Counts{1, 0}));
 }
 }  // namespace

@@ -131,8 +131,8 @@ TEST(FramesInFlight, AlsoOfScansThatAreLarge)
   Both maps(window(20), kTwo);
   for (int i = 0; i < 8; i++)
   {
-    Scan s(0.1 * i, 0);
-    s.cast({{{2, 0.5, 0}, {2.3, 0.9, 0.5}}}, 1800 + 360 * (i % 3), -0.6, 0.1, 40);
+    Scan s = Scan(0.1 * i, 0)
+                 .cast({{{2, 0.5, 0}, {2.3, 0.9, 0.5}}}, 1800 + 360 * (i % 3), -0.6, 0.1, 40);
     ASSERT_NO_FATAL_FAILURE(maps.feed(s, i % 2 == 1));
   }
   ASSERT_NO_FATAL_FAILURE(maps.finish_all());

@@ -78,8 +78,7 @@ struct World
   std::function<Step(int i, Random& random)> step;
 };
 
-/** A wall, a table, a kerb, a post, a beam overhead, a trailer and a car with windows above its
- * doors. */
+/** A wall, a table, a kerb, a post, a beam overhead, a trailer, a car with windows above doors. */
 std::vector<Box> yard()
 {
   return {{{2, 0.5, 0}, {2.3, 0.9, 0.5}},          {{4, -1, 0.75}, {4.6, 1, 0.8}},

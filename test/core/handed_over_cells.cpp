@@ -238,11 +238,11 @@ TEST(HandedOverCells, AreTheSameForTheWindowThatTheNextFrameWillHave)
   for (const double x : {0.0, 0.42, 17.0, -3.3})
   {
     Scan scan = bumps(x, -x);
-    const Window told = m.map.window_after(scan.frame());
+    const Window expected = m.map.window_after(scan.frame());
     m.update(scan);
-    EXPECT_EQ(told.min_cell_x, m.map.window().min_cell_x);
-    EXPECT_EQ(told.min_cell_y, m.map.window().min_cell_y);
-    EXPECT_EQ(told.cells, m.map.window().cells);
+    EXPECT_EQ(expected.min_cell_x, m.map.window().min_cell_x);
+    EXPECT_EQ(expected.min_cell_y, m.map.window().min_cell_y);
+    EXPECT_EQ(expected.cells, m.map.window().cells);
   }
 }
 
@@ -250,8 +250,7 @@ TEST(HandedOverCells, OfAnotherFloorAreToldBeforeTheyGo)
 {
   TestMap m;
   for (int i = 0; i < 3; i++) EXPECT_FALSE(m.update(bumps(0, 0)).leaves_floor);
-  Scan higher(0, 0, 3.9);
-  higher.add_surface(-4, -4, 4, 4, [](double, double) { return 3.2; });
+  Scan higher = Scan(0, 0, 3.9).add_surface(-4, -4, 4, 4, [](double, double) { return 3.2; });
   EXPECT_TRUE(m.update(higher).leaves_floor);
   EXPECT_NEAR(read(m, {all_of(m.map.window())})[80 * 160 + 40].ground_m, 0, 0.1);
   EXPECT_FALSE(m.update(higher).leaves_floor);

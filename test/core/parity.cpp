@@ -11,8 +11,7 @@
 using namespace talus;
 using namespace talus::test;
 
-// The same frames give the same bits on the CPU and on a CUDA device: every layer, after every
-// frame.
+// The same frames give the same bits on cores and on a device: every layer, after every frame.
 
 namespace
 {

@@ -57,8 +57,7 @@ TEST(PointLabels, TellGroundFromWhatStandsOnIt)
 
 TEST(PointLabels, WhatIsHighUpHangs)
 {
-  Scan scan;
-  scan.add_surface(-3, -3, 3, 3, flat);
+  Scan scan = Scan().add_surface(-3, -3, 3, 3, flat);
   scan.add_surface(1, -1, 2, 1, level(1.5));  // above the sensor, and hit from below
   TestMap m(scan);
   const std::vector<PointLabel> labels = label_points(m.map, scan.frame());
@@ -80,8 +79,7 @@ TEST(PointLabels, AnObjectOverGroundThatNobodySawStands)
   // Only its top was hit, and no line from it finds ground: the cell keeps the top as its lowest.
   Parameters p;
   p.fill_search_m = 0.1;
-  Scan scan;
-  scan.add_surface(-3, -3, 3, -0.5, flat).add_surface(1, -0.3, 1.5, -0.1, level(0.9));
+  Scan scan = Scan().add_surface(-3, -3, 3, -0.5, flat).add_surface(1, -0.3, 1.5, -0.1, level(0.9));
   TestMap m(scan, p);
   ASSERT_EQ(m.state(1.22, -0.18), CellState::Measured);
   const std::vector<PointLabel> labels = label_points(m.map, scan.frame());

@@ -46,10 +46,9 @@ TEST(Stage1Accept, TheHeightBandIsClosedAndMeasuredFromTheSensor)
 
 TEST(Stage1Accept, ARayThatEndsAboveTheHeightBandTellsThatItsWayIsFree)
 {
-  TestMap m;
   Scan post, beyond;
   for (double z = 0; z < 1.95; z += 0.1) post.add(2.025, 0.025, z);
-  m.update(post);
+  TestMap m(post);
   ASSERT_NEAR(m.elevation(2.025, 0.025), 1.9, 1e-3);
   beyond.add(3.525, 0.025, 2.4);  // the ray is 1.7 m high where the post stood
   for (int i = 0; i < 3; i++) EXPECT_EQ(rejected(m.update(beyond), Reject::Height), 1u);
@@ -119,8 +118,7 @@ TEST(Stage1Accept, ARotatedSensorIsTransformedByItsPose)
 
 TEST(Stage1Accept, PerPointTimesUndoTheMotionDuringTheScan)
 {
-  // The sensor drives 1 m/s along x and sees the same spot, (2.01, 0.51, 0), at the beginning and
-  // the end of 0.1 s.
+  // The sensor drives 1 m/s along x and sees the spot (2.01, 0.51, 0) first and 0.1 s later.
   Scan s(0, 0, 0.7);
   s.x_ = {2.01f, 2.01f - 0.1f};
   s.y_ = {0.51f, 0.51f};
@@ -171,10 +169,9 @@ TEST(Stage1Accept, AnEmptyFrameIsAFrame)
 
 TEST(Stage1Accept, APoseThatIsNotFiniteIsRefusedAndChangesNothing)
 {
-  TestMap m;
   Scan good, bad;
   good.add(1, 1, 0);
-  m.update(good);
+  TestMap m(good);
   const auto before = m.map.save();
   bad.add(1, 1, 0.5);
   bad.pose_.m[3] = std::nan("");
@@ -184,10 +181,8 @@ TEST(Stage1Accept, APoseThatIsNotFiniteIsRefusedAndChangesNothing)
 
 TEST(Stage1Accept, AReflectionFromBelowSeenGroundIsCountedAndDropped)
 {
-  TestMap m;
-  Scan ground;
-  ground.add_surface(1.0, -1.0, 3.8, 1.0, flat);
-  m.update(ground);
+  Scan ground = Scan().add_surface(1.0, -1.0, 3.8, 1.0, flat);
+  TestMap m(ground);
   Scan mirrored = ground;
   mirrored.add(3.425, 0.025, -0.25).add(3.425, 0.225, -0.25);
   const FrameReport r = m.update(mirrored);
@@ -199,11 +194,9 @@ TEST(Stage1Accept, OneWrongCellBuriesNothingAndTwoThatAgreeDo)
 {
   for (const bool two : {false, true})
   {
-    TestMap m;
-    Scan wrong;
-    wrong.add(2.025, 0.025, 0.6);
+    Scan wrong = Scan().add(2.025, 0.025, 0.6);
     if (two) wrong.add(2.425, 0.025, 0.6);
-    m.update(wrong);
+    TestMap m(wrong);
     const FrameReport r = m.update(wrong.add(3.425, 0.025, 0.0));
     EXPECT_EQ(rejected(r, Reject::Buried), two ? 1u : 0u);
   }
@@ -212,10 +205,9 @@ TEST(Stage1Accept, OneWrongCellBuriesNothingAndTwoThatAgreeDo)
 TEST(Stage1Accept, WhatOneFrameSaysOfReflectionsTheNextForgets)
 {
   // With the ground before it in the scan a point is buried; without, it is the floor of a ditch.
-  TestMap m;
   Scan ground, both, alone;
   ground.add_surface(1.0, -1.0, 3.0, 1.0, flat);
-  m.update(ground);
+  TestMap m(ground);
   both.add_surface(1.0, -1.0, 3.0, 1.0, flat).add(3.425, 0.025, -0.6);
   alone.add(3.425, 0.025, -0.6);
   EXPECT_EQ(rejected(m.update(both), Reject::Buried), 1u);
@@ -227,8 +219,7 @@ TEST(Stage1Accept, APitThatTheSensorLooksIntoIsNoReflection)
 {
   // The near edge of the pit does not stand in the way of the rays to its far wall.
   TestMap m;
-  Scan s;
-  s.add_surface(1.0, -1.0, 2.0, 1.0, flat);
+  Scan s = Scan().add_surface(1.0, -1.0, 2.0, 1.0, flat);
   for (double y = -0.9; y < 0.9; y += 0.02) s.add(2.775, y, -0.26);
   for (int i = 0; i < 3; i++) EXPECT_EQ(rejected(m.update(s), Reject::Buried), 0u);
   EXPECT_NEAR(m.ground(2.775, 0.025), -0.26, 1e-3);
@@ -237,11 +228,10 @@ TEST(Stage1Accept, APitThatTheSensorLooksIntoIsNoReflection)
 TEST(Stage1Accept, WhatIsSeenFromBelowBuriesNothing)
 {
   // The edge of a bridge overhead is all that the map knows there; behind it is floor.
-  TestMap m;
   Scan edge, both;
   const auto bridge = level(1.5);
   edge.add_surface(2.0, -1.0, 2.1, 1.0, bridge);
-  m.update(edge);
+  TestMap m(edge);
   ASSERT_EQ(m.state(2.025, 0.025), CellState::Measured);
   both.add_surface(2.0, -1.0, 2.1, 1.0, bridge).add(3.425, 0.025, 0.0);
   EXPECT_EQ(rejected(m.update(both), Reject::Buried), 0u);

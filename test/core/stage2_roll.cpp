@@ -62,8 +62,7 @@ TEST(Stage2Roll, AnyWholeNumberOfCellsKeepsWhatStays)
       before[static_cast<std::size_t>(l)] = m.map.layer(static_cast<Layer>(l));
     const Window window = m.map.window();
     m.update(Scan(0.02 + 0.05 * move[0], 0.02 + 0.05 * move[1]));
-    // Nothing can be filled in a map that was full: cells that enter may be guessed, those that
-    // stay may not change.
+    // In a full map nothing is filled: cells that enter may be guessed, others may not change.
     const int common = expect_common_cells_equal(before, window, m.map);
     EXPECT_EQ(common, (160 - std::abs(move[0])) * (160 - std::abs(move[1])));
   }
@@ -115,8 +114,7 @@ Scan column(std::int64_t at, std::int64_t cell_x, int cells)
 TEST(Stage2Roll, OnTheLast10KmOf100NothingDriftsByABit)
 {
   // In each step a column of cells at the front is measured, once. While the window rolls over it,
-  // it must stay where it is and what it is. What adds up wrongly does so fastest far from the
-  // origin.
+  // it must stay as it is. What adds up wrongly does so fastest far from the origin.
   constexpr std::int64_t kStep_cells = 9, kSteps = 5556, kBegin_cells = 50000 * kStep_cells;
   TestMap m(with({{"resolution_m", kCell_m}, {"window_m", 4}}));
   const int n = m.map.parameters().cells();
@@ -159,8 +157,9 @@ TEST(Stage2Roll, ASensorFarFromTheBaseMapsWhatIsInTheWindow)
   for (const double ahead_m : {0.0, 0.9, 2.0, 10.0})
   {
     TestMap m;
-    Scan s(ahead_m, 0, 0.7);
-    s.add_surface(1.0, -1.0, 3.0, 1.0, flat).add_surface(2.0, 0.0, 2.1, 0.1, level(0.4));
+    Scan s = Scan(ahead_m, 0, 0.7)
+                 .add_surface(1.0, -1.0, 3.0, 1.0, flat)
+                 .add_surface(2.0, 0.0, 2.1, 0.1, level(0.4));
     for (int i = 0; i < 4; i++) m.update(s, translation(ahead_m, 0, 0.7));
     EXPECT_EQ(m.map.window().min_cell_x, -80) << ahead_m;
     EXPECT_NEAR(m.ground(1.525, 0.525), 0.0, 1e-3) << ahead_m;
@@ -181,11 +180,10 @@ TEST(Stage2Roll, WhereTheSensorIsOnTheRobotMustBeAPlaceOnARobot)
 TEST(Stage2Follow, HeightsFollowThePosesByTheMeanOfAllHitsThatAgree)
 {
   // The pose rose by 0.22 m, and noise spreads the hits over three bins of the histogram.
-  TestMap m;
   Random random(3);
   const auto risen = [&random](double, double)
   { return 0.22 + 0.04 * std::floor(random.uniform(-1, 2)); };
-  m.update(Scan(0, 0, 0.7).add_surface(1.0, -1.0, 3.5, 1.0, flat));
+  TestMap m(Scan(0, 0, 0.7).add_surface(1.0, -1.0, 3.5, 1.0, flat));
   m.update(Scan(0, 0, 0.92).add_surface(1.0, -1.0, 3.0, 1.0, risen));
   EXPECT_NEAR(m.ground(3.225, 0.025), 0.22, 0.01);  // not hit again
 }

@@ -93,8 +93,7 @@ TEST(Stage3Update, TheVarianceHasAFloor)
 TEST(Stage3Update, ATableTopAboveSeenGroundIsPassableAndALowBeamIsNot)
 {
   TestMap table, beam;
-  Scan ground(0, 0, 0.7);
-  ground.add_surface(1, -1, 3, 1, flat);
+  Scan ground = Scan().add_surface(1, -1, 3, 1, flat);
   table.update(ground);
   beam.update(ground);
   table.update(Scan(ground).add_surface(1.8, -0.4, 2.2, 0.4, level(0.72)));
@@ -114,8 +113,9 @@ TEST(Stage3Update, WhatIsSeenFromAboveStandsOverSeenGroundUntilARayPassesBelowIt
   const double sensor_m = 1.5;
   const auto slab = [&](double behind_m)
   {
-    Scan s(0, 0, sensor_m);
-    s.add_surface(1.8, -0.4, 2.2, 0.4, level(0.9)).add_surface(1.8, -0.4, behind_m, 0.4, flat);
+    Scan s = Scan(0, 0, sensor_m)
+                 .add_surface(1.8, -0.4, 2.2, 0.4, level(0.9))
+                 .add_surface(1.8, -0.4, behind_m, 0.4, flat);
     return s;
   };
   TestMap m(Scan(0, 0, sensor_m).add_surface(1, -1, 4, 1, flat));
@@ -168,8 +168,7 @@ TEST(Stage3Update, AHitIsAloneWithOneOtherBesideItAndNotWithTwo)
   for (const int others : {1, 2})
   {
     TestMap m(Scan().add_surface(1.5, -0.5, 2.5, 0.5, flat));
-    Scan hits;
-    hits.add(kX, kY, 0.4);
+    Scan hits = Scan().add(kX, kY, 0.4);
     for (int i = 0; i < others; i++) hits.add(kX, kY + 0.05, 0.4 - 0.01 * i);
     m.update(hits);
     EXPECT_NEAR(m.elevation(kX, kY), others == 1 ? 0.0 : 0.4, 1e-3) << others;

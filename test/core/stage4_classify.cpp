@@ -6,9 +6,8 @@ using namespace talus::test;
 
 TEST(Stage4Classify, AOneSidedGuessIsRefilledWhenTheOtherSideIsSeen)
 {
-  TestMap m;
   const auto slope = [](double x, double) { return 0.1 * (x - 1); };
-  m.update(Scan().add_surface(1.0, -0.5, 1.5, 0.5, slope));
+  TestMap m(Scan().add_surface(1.0, -0.5, 1.5, 0.5, slope));
   EXPECT_EQ(m.state(1.775, 0.025), CellState::FilledOneSided);
   EXPECT_LE(m.ground(1.775, 0.025), 0.05);
   m.update(Scan().add_surface(2.0, -0.5, 2.5, 0.5, slope));
@@ -55,11 +54,9 @@ TEST(Stage4Classify, TheLowestHitOnAFaceIsNoGroundWhereBareFloorIsInReach)
   // A slope of 45 degrees would lead up to it.
   for (const double floor_ends_m : {1.6, 1.8})
   {
-    TestMap m;
-    Scan s;
-    s.add_surface(0.5, -1, floor_ends_m, 1, flat);
+    Scan s = Scan().add_surface(0.5, -1, floor_ends_m, 1, flat);
     for (const double hit_m : {0.25, 0.5, 0.8}) s.add_surface(2.0, -1, 2.1, 1, level(hit_m));
-    m.update(s);
+    TestMap m(s);
     EXPECT_EQ(m.state(2.025, 0.025), CellState::FilledOneSided) << floor_ends_m;
     EXPECT_NEAR(m.ground(2.025, 0.025), 0.0, 1e-3) << floor_ends_m;
     EXPECT_EQ(m.traversability(2.025, 0.025), 0.0f) << floor_ends_m;
@@ -81,12 +78,10 @@ TEST(Stage4Classify, WhatStandsOnTheEdgeOfAPlatformStandsOnThePlatform)
 TEST(Stage4Classify, UnknownGroundBehindAWallDoesNotMakeItWide)
 {
   // Of a wall all around the foot is hidden, and all that is behind it.
-  TestMap m;
-  Scan s;
-  s.add_surface(-1.5, -1.5, 1.5, 1.5, flat);
+  Scan s = Scan().add_surface(-1.5, -1.5, 1.5, 1.5, flat);
   for (double y = -2; y < 2; y += 0.02)
     for (double z = 0.5; z < 1.2; z += 0.1) s.add(1.775, y, z);
-  m.update(s);
+  TestMap m(s);
   EXPECT_NEAR(m.ground(1.775, 0.025), 0.0, 0.02);
   EXPECT_NEAR(m.ground(2.225, 0.025), 0.0, 0.02) << "what a fill behind it builds on";
   EXPECT_EQ(m.traversability(1.775, 0.025), 0.0f);
@@ -94,9 +89,8 @@ TEST(Stage4Classify, UnknownGroundBehindAWallDoesNotMakeItWide)
 
 TEST(Stage4Classify, ABranchSeenBeforeTheGroundAroundItEndsPassable)
 {
-  TestMap m;
   const auto branch = level(0.9);
-  m.update(Scan().add_surface(2.0, -0.05, 2.1, 0.05, branch));
+  TestMap m(Scan().add_surface(2.0, -0.05, 2.1, 0.05, branch));
   EXPECT_NEAR(m.ground(2.025, 0.025), 0.9, 1e-5);
   m.update(Scan().add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.1, -1, 3.0, 1, flat));
   EXPECT_NEAR(m.ground(2.025, 0.025), 0.0, 1e-5);
@@ -107,8 +101,7 @@ TEST(Stage4Classify, ABranchSeenBeforeTheGroundAroundItEndsPassable)
 
 TEST(Stage4Classify, ASignIsNotJoinedToItself)
 {
-  // It is met, over its whole height, before the floor below it; the robot fits below. The same on
-  // legs of a hand's height stands.
+  // It is met before the floor below it; the robot fits below. The same on short legs stands.
   const auto meet = [](TestMap& m, double underside_m)
   {
     const Box sign{{1.5, -0.3, underside_m}, {1.55, 0.3, underside_m + 0.35}};
@@ -133,8 +126,7 @@ void add_face(Scan& s, double x0, double x1, double y0, double y1, double low_m,
 
 TEST(Stage4Classify, ASignHangsBesideItsPost)
 {
-  Scan floor;
-  floor.add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.3, -1, 3.0, 1, flat);
+  Scan floor = Scan().add_surface(1.0, -1, 2.0, 1, flat).add_surface(2.3, -1, 3.0, 1, flat);
   TestMap sign;
   Scan with_sign = floor;
   add_face(with_sign, 2.0, 2.1, 0, 0.1, 0.0, 2.05);
@@ -146,20 +138,18 @@ TEST(Stage4Classify, ASignHangsBesideItsPost)
 
 TEST(Stage4Classify, ASteepButSmoothSlopeIsGroundEverywhere)
 {
-  TestMap m;
   const double tangent = std::tan(30 * M_PI / 180);
-  m.update(
+  TestMap m(
       Scan(0, 0, 0.3).add_surface(-1, -1, 1, 1, [&](double x, double) { return tangent * x; }));
   for (double x = -0.975; x < 1; x += 0.05) EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << x;
 }
 
 TEST(Stage4Classify, ABankSteeperThanTheRobotClimbsIsGroundToo)
 {
-  TestMap m;
   const double tangent = std::tan(42 * M_PI / 180);
-  m.update(Scan()
-               .add_surface(0, -1, 2, 1, flat)
-               .add_surface(2, -1, 3, 1, [&](double x, double) { return tangent * (x - 2); }));
+  TestMap m(Scan()
+                .add_surface(0, -1, 2, 1, flat)
+                .add_surface(2, -1, 3, 1, [&](double x, double) { return tangent * (x - 2); }));
   for (double x = 2.025; x < 3; x += 0.05) EXPECT_EQ(m.state(x, 0.525), CellState::Measured) << x;
   for (double x = 2.075; x < 2.9; x += 0.05) EXPECT_EQ(m.traversability(x, 0.525), 0.0f) << x;
 }
@@ -198,12 +188,11 @@ TEST(Stage4Classify, ABridgeIsGround)
 
 TEST(Stage4Classify, AJettyIsGroundToItsEnd)
 {
-  TestMap m;
   Scan s;
   const auto low = level(-0.6);
   s.add_surface(-2, -3, 0.5, 3, flat).add_surface(0.5, -0.3, 3.5, 0.3, flat);
   s.add_surface(0.5, -3, 3.5, -0.3, low).add_surface(0.5, 0.3, 3.5, 3, low);
-  m.update(s);
+  TestMap m(s);
   for (double x = 0.525; x < 3.2; x += 0.05)
   {
     EXPECT_EQ(m.state(x, 0.025), CellState::Measured) << x;
@@ -231,8 +220,7 @@ double share_inside(const TestMap& m, const Box& thing, Predicate is)
 bool blocked(float traversability) { return traversability == 0.0f; }
 bool passable(float traversability) { return traversability > 0.0f; }
 
-/** A trailer whose floor is 0.4 m above the ground: rays reach the ground below it, and its top is
- * seen from above. */
+/** A trailer 0.4 m above the ground: rays reach the ground below it, its top is seen from above. */
 const Box kTrailer{{1.0, 1.0, 0.4}, {2.6, 2.4, 0.8}};
 
 TEST(Stage4Classify, WhatHasAirBelowItIsBlockedInItsMiddleTooAndBelowATableTheRobotFits)
@@ -265,11 +253,9 @@ TEST(Stage4Classify, AWallAtTheWindowsBorderIsNoGround)
   const double seen_m[2][2] = {{0.4, 0.9}, {0.8, 1.0}};
   for (const auto& [lowest_m, highest_m] : seen_m)
   {
-    TestMap m;
-    Scan s;
-    s.add_surface(-1, 0, 1, 3.8, flat);
+    Scan s = Scan().add_surface(-1, 0, 1, 3.8, flat);
     add_face(s, -1, 1, 3.85, 3.95, lowest_m, highest_m);
-    m.update(s);
+    TestMap m(s);
     EXPECT_NE(m.state(0.525, 3.925), CellState::Measured) << lowest_m;
     EXPECT_NEAR(m.ground(0.525, 3.925), 0.0, 1e-5) << lowest_m;
   }
@@ -302,11 +288,9 @@ TEST(Stage4Reach, TheTopOfABoxIsNoGroundThoughNothingBesideOrBehindItWasSeen)
 
 TEST(Stage4Reach, TheFloorBehindAWallIsGroundThoughNoWayLeadsThere)
 {
-  TestMap m;
-  Scan s;
-  s.add_surface(-1, -4, 2, 4, flat).add_surface(2.1, -4, 3.5, 4, flat);
+  Scan s = Scan().add_surface(-1, -4, 2, 4, flat).add_surface(2.1, -4, 3.5, 4, flat);
   for (const double z : {0.5, 1.0}) s.add_surface(2, -4, 2.1, 4, level(z));
-  m.update(s);
+  TestMap m(s);
   EXPECT_EQ(m.state(3.025, 0.025), CellState::Measured);
   EXPECT_GT(m.traversability(3.025, 0.025), 0.99f);
   EXPECT_EQ(m.traversability(2.025, 0.025), 0.0f);

@@ -10,8 +10,7 @@ namespace
 constexpr double kSensor_m = 0.68, kLowest_rad = 15 * M_PI / 180;
 constexpr double kFirstRing_m = kSensor_m / 0.268;  // of the lowest of 16 beams, on level floor
 
-/** What 16 beams see from a robot that stands on z = `floor_m` at (x, 0); the rest of the ground is
- * at z = 0. */
+/** What 16 beams see from a robot on z = `floor_m` at (x, 0); other ground is at z = 0. */
 Scan sixteen_beams(const std::vector<Box>& boxes = {}, double x_m = 0, double floor_m = 0)
 {
   return Scan(x_m, 0, floor_m + kSensor_m).cast(boxes, 1800, -kLowest_rad, kLowest_rad, 16);
@@ -199,10 +198,11 @@ TEST(Stage4Underfoot, WhatTheRobotDrivesOverIsKnownAlsoWhereNothingMeasuredIt)
 TEST(Stage4Underfoot, WhatIsAsHighAsWhatTheRobotJustDroveThroughIsDrivenThroughToo)
 {
   const auto grass = level(0.3);
-  TestMap m(with_radius(0));
-  m.update(Scan(-2, 0, kSensor_m)
-               .add_surface(-0.4, -0.4, 0.4, 0.4, grass)
-               .add_surface(0.4, -1, 1, 1, flat));
+  TestMap m(
+      Scan(-2, 0, kSensor_m)
+          .add_surface(-0.4, -0.4, 0.4, 0.4, grass)
+          .add_surface(0.4, -1, 1, 1, flat),
+      with_radius(0));
   m.update(sixteen_beams(), kOnRobot);  // through grass
   m.update(sixteen_beams({}, 0.7), kOnRobot);  // beside it
   m.update(Scan(-2, 0, kSensor_m)

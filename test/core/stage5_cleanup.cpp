@@ -160,8 +160,7 @@ TEST(Stage5Cleanup, RaysBelowAnUndersideDoNotTellThatItLeft)
 
 TEST(Stage5Cleanup, WhatHasLeftTakesAlongItsPartsOfWhichRaysTellNothing)
 {
-  // A piece without a foot, alone or between two with one, as between the wheels of a car. When it
-  // has left no beam aims above its underside.
+  // A piece without a foot, alone or between two with one. Later no beam aims above its underside.
   const Box piece{{1.8, -0.05, 0.3}, {2.4, 0.05, 0.6}};
   const Box left{{1.8, 0.05, 0}, {2.4, 0.4, 0.6}}, right{{1.8, -0.4, 0}, {2.4, -0.05, 0.6}};
   for (const bool alone : {true, false})
@@ -195,8 +194,7 @@ TEST(Stage5Cleanup, WhatStandsWhereTheRobotDroveLeavesInItsOwnShadowAndAWallBesi
 
 TEST(Stage5Cleanup, TheRimOfWhatIsStillHitStaysUntilThatLeavesOrItsOwnFloorIsHit)
 {
-  // The rays of three beams pass the outer part of a post, 0.1 and 0.4 m high, and meet no floor
-  // in its cells. Those of 48 beams do.
+  // Three beams pass the outer part of a post and meet no floor in its cells. 48 beams do.
   const Box whole{{1.5, -0.1, 0}, {1.6, 0.1, 0.6}}, core{{1.5, -0.1, 0}, {1.6, 0.05, 0.6}};
   for (const int beams : {3, 48})
   {
@@ -247,8 +245,7 @@ TEST(Stage5Cleanup, WhatRaysCombAndDoNotHitHasLeftWhereFewBeamsTellNothing)
 
 TEST(Stage5Cleanup, WhatHungInACellLendsNoTimeToWhatStandsThereLater)
 {
-  // The branch is seen first, over floor that is only guessed; the robot fits below it. Later beams
-  // pass below it only.
+  // The branch is seen first, over a guess; the robot fits below it. Later beams pass below it.
   const Box branch{{1.5, -0.4, 0.9}, {1.9, 0.4, 0.95}}, person{{1.5, -0.2, 0}, {1.8, 0.2, 0.7}};
   TestMap m(Scan().cast({branch}, 720, -0.3, 0.2), {}, 3);
   ASSERT_EQ(cells_above(m, 0.05), 0);
@@ -260,11 +257,9 @@ TEST(Stage5Cleanup, WhatHungInACellLendsNoTimeToWhatStandsThereLater)
 
 TEST(Stage5Cleanup, RangeNoiseDoesNotMakeABoxOverhang)
 {
-  // Every fifth hit on it lies 0.1 m before its face: other rays end below and behind those hits,
-  // but on the box.
+  // Every fifth hit lies 0.1 m before its face: other rays end behind those hits, on the box.
   const Box box{{2.1, -0.3, 0}, {2.4, 0.3, 0.6}};
-  Scan noisy;
-  noisy.cast({box});
+  Scan noisy = Scan().cast({box});
   for (std::size_t i = 0; i < noisy.x_.size(); i += 5)
   {
     if (noisy.z_[i] < -0.65f || std::abs(noisy.y_[i]) > 0.3f || noisy.x_[i] < 2.0f) continue;

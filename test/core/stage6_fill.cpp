@@ -19,8 +19,7 @@ kernels::SideEstimate side(float height, int gap, float distance)
   return s;
 }
 
-/** A shelf that ends at x = 1.5 m, and rays over its edge that end at x = 4.5 m, outside the
- * window. */
+/** A shelf that ends at x = 1.5 m; rays over its edge end at x = 4.5 m, outside the window. */
 Scan over_the_edge_of_a_shelf(double far_z_m)
 {
   Scan s(0, 0, 0.3);
@@ -158,32 +157,29 @@ TEST(Stage6Fill, AFillIsTheLessCertainTheFartherItsSample)
 
 TEST(Stage6Fill, APlaneIsFilledWithoutBiasAcrossASmallGap)
 {
-  TestMap m;
   Scan s;
   for (double x = 1.025; x < 3; x += 0.1)
     for (double y = -0.475; y < 0.5; y += 0.05) s.add(x, y, 0.0);
-  m.update(s);
+  TestMap m(s);
   for (double x = 1.075; x < 2.9; x += 0.1) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 1e-5);
 }
 
 TEST(Stage6Fill, ASlopeIsFilledAlongRayRowAndColumnWithoutBias)
 {
   // Stripes of ground on a plane that tilts both ways, 0.2 m of 0.25 m unseen.
-  TestMap m;
   const auto plane = [](double x, double y) { return 0.2 * (x - 2) + 0.1 * y; };
   Scan s;
   for (int stripe = 0; stripe < 8; stripe++)
     s.add_surface(1 + 0.25 * stripe, -1, 1.05 + 0.25 * stripe, 1, plane);
-  m.update(s);
+  TestMap m(s);
   for (double x = 1.075; x < 2.7; x += 0.05)
     EXPECT_NEAR(m.ground(x, 0.025), plane(x, 0.025), 0.004) << x;
 }
 
 TEST(Stage6Fill, ABankBesideAFloorSaysNothingOfHowTheFloorGoesOn)
 {
-  TestMap m;
   const auto bank = [](double x, double) { return std::max(0.0, -0.7 * (x + 1)); };
-  m.update(Scan().add_surface(-2.5, -2.5, 2.0, 2.5, bank));
+  TestMap m(Scan().add_surface(-2.5, -2.5, 2.0, 2.5, bank));
   for (double x = 2.025; x < 2.8; x += 0.1) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 0.02) << x;
 }
 
@@ -226,10 +222,8 @@ TEST(Stage6Fill, ADitchIsImpassableUpToItsFarWall)
 TEST(Stage6Fill, WhatNoRayPassedLowOverItsGroundIsNotJudged)
 {
   // Behind the wall the ground is a guess that no ray ever passed; before it rays came by.
-  TestMap m;
-  Scan s;
-  s.add_surface(1.0, -0.5, 1.4, 0.5, flat).add_surface(1.6, -0.5, 1.8, 0.5, flat);
-  m.update(s.cast({{{2.0, -2, 0}, {2.05, 2, 1.0}}}, 720, -0.335, 0.1));
+  Scan s = Scan().add_surface(1.0, -0.5, 1.4, 0.5, flat).add_surface(1.6, -0.5, 1.8, 0.5, flat);
+  TestMap m(s.cast({{{2.0, -2, 0}, {2.05, 2, 1.0}}}, 720, -0.335, 0.1));
   EXPECT_EQ(m.state(1.525, 0.025), CellState::FilledTwoSided);
   EXPECT_GT(m.traversability(1.525, 0.025), 0.9f);
   EXPECT_EQ(m.state(2.225, 0.025), CellState::FilledOneSided);
@@ -247,8 +241,7 @@ TEST(Stage6Fill, AGapBetweenGroundIsJudgedWhereRaysPassedWithinHalfAMetre)
 
 TEST(Stage6Fill, WhereRaysPassFarBelowAFillTheGroundMayDropUntilItIsMeasured)
 {
-  // First a ray passes over what may be its surface; then rays go down behind its edge, no steeper
-  // than a ramp that the robot could take.
+  // First a ray passes over what may be its surface; then rays go down as a ramp might.
   const auto scan = over_the_edge_of_a_shelf;
   TestMap m(scan(0.0));
   EXPECT_GT(m.traversability(2.025, 0.025), 0.9f);
@@ -267,8 +260,7 @@ TEST(Stage6Fill, ABlindBowlLiesOnTheLineFromWhereTheRobotStoodToItsFarSide)
   const auto ground_of = [&](double start_radius_m)
   {
     TestMap m(with({{"start_radius_m", start_radius_m}}));
-    Scan s(0, 0, 0.7);
-    s.add_surface(3, -3, 3.9, 3, far_side);
+    Scan s = Scan().add_surface(3, -3, 3.9, 3, far_side);
     for (int frame = 0; frame < 2; frame++) m.update(s, translation(0, 0, 0.7));
     EXPECT_GT(m.traversability(1.525, 0.025), 0.5f);
     return m.ground(1.525, 0.025);
@@ -312,8 +304,7 @@ TEST(Stage6Fill, ARailAcrossAHillsideAboveTheSensorIsAnObstacle)
 {
   // The hill on both sides of it tells the ground below it.
   const auto hill = [](double x, double) { return 0.35 * x; };
-  Scan s(0, 0, 0.7);
-  s.add_surface(2.2, -1.0, 2.9, 1.0, hill).add_surface(3.1, -1.0, 3.8, 1.0, hill);
+  Scan s = Scan().add_surface(2.2, -1.0, 2.9, 1.0, hill).add_surface(3.1, -1.0, 3.8, 1.0, hill);
   for (double y = -0.975; y < 1.0; y += 0.02) s.add(3.025, y, hill(3.025, 0) + 0.3);
   TestMap m(s, {}, 3);
   EXPECT_NEAR(m.ground(3.025, 0.025), hill(3.025, 0), 0.05);
@@ -322,13 +313,12 @@ TEST(Stage6Fill, ARailAcrossAHillsideAboveTheSensorIsAnObstacle)
 
 TEST(Stage6Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
 {
-  TestMap m;
   const auto column = [](Scan s)
   {
     for (double y = -0.475; y < 0.5; y += 0.05) s.add(2.525, y, 0.9);
     return s;
   };
-  m.update(Scan().add_surface(1.0, -0.5, 2.0, 0.5, flat));
+  TestMap m(Scan().add_surface(1.0, -0.5, 2.0, 0.5, flat));
   EXPECT_EQ(m.state(2.525, 0.025), CellState::FilledOneSided);
   m.update(column(Scan()));
   EXPECT_EQ(m.state(2.525, 0.025), CellState::FilledOneSided);
@@ -343,11 +333,10 @@ TEST(Stage6Fill, WhatWasHitHighAboveAGuessStandsUntilARayPassesBelowIt)
 TEST(Stage6Fill, AReflectionFromBelowTheGroundPullsNoFillDown)
 {
   // Its ray seems to pass below the ground; the hits beside it are of other directions.
-  TestMap m;
   Scan s;
   for (double x = 1.025; x < 5; x += 0.05)
     if (x < 2.4 || x > 3.25) s.add(x, 0.046, 0.0);
-  m.update(s.add(6.025, 0.025, -1.0));
+  TestMap m(s.add(6.025, 0.025, -1.0));
   for (const double x : {2.625, 3.125}) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 0.02) << x;
 }
 
@@ -358,8 +347,7 @@ TEST(Stage6Fill, BeyondAnEdgeAGuessIsNotFreeWhereTheRayOverItEndedFarBelow)
   {
     constexpr double kSlope = -0.16;
     const double end_m = (far_z_m - 0.7) / kSlope;
-    Scan s;
-    s.add_surface(-1, -1, 3.3, 1, flat);
+    Scan s = Scan().add_surface(-1, -1, 3.3, 1, flat);
     for (double y = -0.3; y < 0.3; y += 0.002) s.add(end_m, y * end_m, far_z_m);
     TestMap m(s);
     for (const double x : {3.425, 3.775})

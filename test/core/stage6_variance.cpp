@@ -105,8 +105,7 @@ TEST(Stage6Variance, OfAFillGrowsWhereItsLinesDisagree)
 
 TEST(Stage6Variance, OfAFillFromOneSideIsATenthOfItsGapAtLeastWhateverLiesBesideIt)
 {
-  // The column through each cell has ground on both sides close by, the line from the sensor has
-  // none behind.
+  // Columns have ground on both sides close by, the line from the sensor none behind.
   TestMap m(Scan()
                 .add_surface(1.0, -0.15, 1.5, 0.2, flat)
                 .add_surface(1.5, 0.15, 2.4, 0.2, flat)

@@ -23,12 +23,11 @@ TEST(Stage7Traversability, APlaneTiltedByTenDegreesHasThatSlopeEverywhere)
 {
   for (const double azimuth_deg : {0.0, 30.0, 45.0, 90.0, 200.0})
   {
-    TestMap m(with({{"min_range_m", 0.01}}));
     const double t = std::tan(10 * M_PI / 180), a = azimuth_deg * M_PI / 180;
     Scan s(0, 0, 0);  // at this height the whole plane is inside the height band
     s.add_surface(
         -4, -4, 4, 4, [&](double x, double y) { return t * (std::cos(a) * x + std::sin(a) * y); });
-    m.update(s);
+    TestMap m(s, with({{"min_range_m", 0.01}}));
     int cells = 0;
     for (double x = -3.975; x < 4; x += 0.05)
       for (double y = -3.975; y < 4; y += 0.05)
@@ -60,8 +59,7 @@ TEST(Stage7Traversability, AWallOneCellThickBlocksAtMostItsOwnCellsAndTheirNeigh
   const Box wall{{1.51, -2, 0}, {1.54, 2, 1.2}};
   for (int i = 0; i < 5; i++)
   {
-    Scan s(0, 0, 0.7);
-    s.add_surface(-3, -3, 3, 3, flat);  // the floor on both sides is known
+    Scan s = Scan().add_surface(-3, -3, 3, 3, flat);  // the floor on both sides is known
     m.update(s.cast({wall}));
   }
   for (double y = -1.475; y < 1.5; y += 0.05)
@@ -74,9 +72,8 @@ TEST(Stage7Traversability, AWallOneCellThickBlocksAtMostItsOwnCellsAndTheirNeigh
 
 TEST(Stage7Traversability, ASlopeOfFortyDegreesIsImpassable)
 {
-  TestMap m;
   const double t = std::tan(40 * M_PI / 180);
-  m.update(Scan().add_surface(-1, -1, 1, 1, [&](double x, double) { return t * x; }));
+  TestMap m(Scan().add_surface(-1, -1, 1, 1, [&](double x, double) { return t * x; }));
   EXPECT_EQ(m.traversability(0.525, 0.525), 0.0f);
 }
 
@@ -134,13 +131,11 @@ TEST(Stage7Traversability, AGapOfOneCellBetweenImpassableCellsIsImpassable)
 {
   for (const int gap_cells : {1, 3})
   {
-    TestMap m;
-    Scan s;
-    s.add_surface(1, -1, 3, 1, flat);
+    Scan s = Scan().add_surface(1, -1, 3, 1, flat);
     const double gap_m = 0.05 * gap_cells;
     for (const double x : {2.0 - 0.2, 2.0 + gap_m})
       s.add_surface(x, -0.5, x + 0.2, 0.5, level(0.45));
-    m.update(s);
+    TestMap m(s);
     EXPECT_EQ(m.traversability(2.0 + gap_m / 2, 0.025) == 0.0f, gap_cells == 1) << gap_cells;
   }
 }
@@ -149,12 +144,11 @@ TEST(Stage7Traversability, ASteepFaceIsImpassableUpToItsEdge)
 {
   for (const double degrees : {45.0, 25.0})
   {
-    TestMap m;
     Scan s;
     const double rise = std::tan(degrees * M_PI / 180);
     s.add_surface(
         1, -1, 4, 1, [&](double x, double) { return rise * std::clamp(x - 2.0, 0.0, 0.6); });
-    m.update(s);
+    TestMap m(s);
     const bool steep = degrees > 40;
     // The cell of the foot itself has risen by 2.5 cm only.
     for (double x = 2.075; x < 2.6; x += 0.05)
@@ -239,11 +233,9 @@ TEST(Stage7Traversability, NoRobotFitsBetweenTwoPostsAtTheCornersOfACell)
   for (const double across_m : {-0.05, 0.05})
     for (const bool two : {true, false})
     {
-      TestMap m;
-      Scan s;
-      s.add_surface(1, -1, 3, 1, flat).add(1.975, 0.025 - across_m, 0.45);
+      Scan s = Scan().add_surface(1, -1, 3, 1, flat).add(1.975, 0.025 - across_m, 0.45);
       if (two) s.add(2.075, 0.025 + across_m, 0.45);
-      m.update(s);
+      TestMap m(s);
       EXPECT_EQ(m.traversability(2.025, 0.025) == 0.0f, two) << across_m;
     }
 }
@@ -277,20 +269,17 @@ constexpr double kHigh_m = 0.9;
 TEST(Stage7Sparsity, Equation14ByNumbersWorkedOutByHand)
 {
   // h_s = 0.12 m < h_c = 0.2 m: 1 - 0.12 / 0.2.
-  TestMap shallow(short_search());
-  shallow.update(gap(kSlope_m + 0.12, 1.5, kHigh_m));
+  TestMap shallow(gap(kSlope_m + 0.12, 1.5, kHigh_m), short_search());
   EXPECT_NEAR(shallow.at(Layer::Sparsity, kX, kY), 0.4, 1e-5);
   // h_s = 0.25 m >= h_c, 1.5 m away with d_c = 2 m: 1 - 0.25 * 2 / (0.2 * 1.5) < 0.
-  TestMap deep(short_search());
-  deep.update(gap(kSlope_m + 0.25, 1.5, kHigh_m));
+  TestMap deep(gap(kSlope_m + 0.25, 1.5, kHigh_m), short_search());
   EXPECT_EQ(deep.at(Layer::Sparsity, kX, kY), 0.0f);
   EXPECT_EQ(deep.traversability(kX, kY), 0.0f);
 }
 
 TEST(Stage7Sparsity, FarAwayTheSameHeightDifferenceWeighsLess)
 {
-  // h_s = 0.3 m >= h_c, 1.5 m away (30 cells) with d_c = 0.6 m: 1 - 0.3 * 0.6 / (0.2 * 1.5) =
-  // 0.4.
+  // h_s = 0.3 m >= h_c, 1.5 m away with d_c = 0.6 m: 1 - 0.3 * 0.6 / (0.2 * 1.5) = 0.4.
   Parameters p = short_search();
   p.sparsity_distance_m = 0.6;
   TestMap m(gap(kSlope_m + 0.3, 1.5, kHigh_m), p);
@@ -300,16 +289,14 @@ TEST(Stage7Sparsity, FarAwayTheSameHeightDifferenceWeighsLess)
 TEST(Stage7Sparsity, WhatADrivableSlopeExplainsIsNoDitch)
 {
   // The crest of a ramp: the floor behind it is 0.3 m lower, a metre away.
-  TestMap m(short_search());
-  m.update(with_rays(gap(0.3)));
+  TestMap m(with_rays(gap(0.3)), short_search());
   EXPECT_TRUE(std::isnan(m.at(Layer::Sparsity, kX, kY)));
   EXPECT_GT(m.traversability(kX, kY), 0.0f);
 }
 
 TEST(Stage7Sparsity, OneHeightOrNoneLeavesTheCellUnknown)
 {
-  TestMap m(short_search());
-  m.update(gap(2));  // nothing on the far side
+  TestMap m(gap(2), short_search());  // nothing on the far side
   EXPECT_EQ(m.state(kX, kY), CellState::FilledOneSided);
   EXPECT_TRUE(std::isnan(m.at(Layer::Sparsity, kX, kY)));
   EXPECT_TRUE(std::isnan(m.traversability(kX, kY)));
@@ -349,8 +336,7 @@ TEST(Stage7Sparsity, AFarWallThatIsSeenNearItsTopIsThatOfADitch)
       for (double y = -0.475; y < 0.5; y += 0.01)
         s.add(x, y, -0.2).add(x + 0.01, y, wall ? -0.03 : -0.2);
     s.add_surface(2.6, -0.5, 3.5, 0.5, level(wall ? 0.0 : -0.2));
-    TestMap m(short_search());
-    m.update(s);
+    TestMap m(s, short_search());
     EXPECT_EQ(m.traversability(kX, kY) == 0.0f, wall);
   }
 }

@@ -3,8 +3,7 @@
 #include "count_allocations.h"
 #include "scene.h"
 
-// A map that has seen its largest frame needs the heap no more. Every allocation of this executable
-// is counted, those of all threads.
+// A map that has seen its largest frame needs the heap no more. All allocations are counted.
 
 using namespace talus;
 using namespace talus::test;
