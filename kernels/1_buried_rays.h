@@ -7,8 +7,7 @@ namespace talus::kernels
 // passed under mapped ground that the same scan hits nearer in the same direction. Only ground
 // below the sensor counts: a rising ray may hit an underside.
 
-/** The slope that a ray must keep to pass over known ground that was hit, by index in the table
- * of rays; -infinity where no ground was hit. */
+/** The slope that keeps a ray above known ground that was hit, by ray; -infinity without such. */
 struct FindGroundHits
 {
   const Map& m;
@@ -46,8 +45,7 @@ struct FindGroundHits
   }
 };
 
-/** The limits along one direction, from the sensor outwards. The second highest limit counts, so
- * that one wrong cell buries nothing. */
+/** The limits along a direction, outwards; the second highest counts against one wrong cell. */
 struct BuriedBelow
 {
   float highest = -kInfinity, second = -kInfinity;

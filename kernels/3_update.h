@@ -199,9 +199,8 @@ TALUS_HD void put_ground(
   c.state = select(wanted, kMeasured, c.state);
 }
 
-/** The elevation keeps the highest point that stands (eq. 6 and 7): a point inside the gate is
- * fused, a higher one replaces it, a lower one changes nothing. `high` is the highest point up to
- * `top_m`. */
+/** The elevation keeps the highest point that stands (eq. 6 and 7): inside the gate it is fused, a
+ * higher one replaces it, a lower one changes nothing. `high`: the highest up to `top_m`. */
 TALUS_HD FusionPlan
 plan_elevation(const Cell& c, const HeightPoint& high, float top_m, const Config& k)
 {
@@ -576,8 +575,7 @@ struct UpdateCell
     }
     return beside <= kOthersBesideHit;
   }
-  /** Drops the hit and counts it. Only the ground may change, if it was hit. Returns the highest
-   * hit that remains. */
+  /** Drops the hit and counts it; the ground may change. Returns the highest hit that remains. */
   TALUS_HD float refuse(Cell& c, const Cell& before, float lowest_m, float bare_m) const
   {
     const bool floor = lowest_m <= bare_m;

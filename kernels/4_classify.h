@@ -3,8 +3,7 @@
 
 namespace talus::kernels
 {
-/** Sets the class of a cell from its state and from the highest that ground can be there, and keeps
- * its reach. */
+/** The class of a cell, by its state and the highest that ground can be there; keeps its reach. */
 struct ClassifyCell
 {
   const Map& m;

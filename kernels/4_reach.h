@@ -215,8 +215,7 @@ struct ErodeGround
   {
     return m.pair_reach[m.pairs.at(px, py)] == kPairReached;
   }
-  /** Only known ground with nothing upright on it or beside it: neither a face and its edges nor
-   * the unknown behind it. */
+  /** Known ground with nothing upright near it: no face, none of its edges, nothing behind it. */
   TALUS_HD bool may_be_wide(int px, int py) const
   {
     bool any = false;

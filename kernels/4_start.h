@@ -4,8 +4,8 @@
 
 namespace talus::kernels
 {
-/** In the first frame passable cells around the robot on the plane of its base are reached: hits on
- * its own body may lie between. */
+/** In the first frame passable cells on the base's plane are reached: hits on the robot may lie
+ * between. */
 struct StartReach
 {
   const Map& m;

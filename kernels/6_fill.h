@@ -3,10 +3,9 @@
 
 namespace talus::kernels
 {
-// Stage 6 (III-B.3): ground of cells that were not measured, from samples on both sides along the
-// line to the sensor. Executors find samples differently: a device searches for each cell
-// (libs/core/src/cuda/fill_search.h), a core sweeps along many lines at once
-// (libs/core/src/cpu/lines.h). The formulas are the same.
+// Stage 6 (III-B.3): ground that was not measured, from samples on both sides along the line to the
+// sensor. A device searches for them cell by cell (libs/core/src/cuda/fill_search.h), a core sweeps
+// along many lines at once (libs/core/src/cpu/lines.h). The formulas are the same.
 
 /** The samples of one side, and their mean by the sparse kernel of eq. 8. */
 struct SideEstimate
@@ -32,8 +31,7 @@ TALUS_HD float kernel_weight(float distance_m, const Config& k)
 /** The distance given to samples that do not count: beyond any kernel. */
 constexpr float kOutOfReach_m = 1e18f;
 
-/** Eq. 8 without its prior, the lowest sample, which would pull every slope down. Samples come
- * nearest first. */
+/** Eq. 8 without its prior, the lowest sample, which pulls slopes down. The nearest come first. */
 struct SideSum
 {
   float weights = 0, weighted = 0, lengths = 0;
@@ -89,8 +87,7 @@ TALUS_HD bool is_steep(float rise_m, float length_m, const Config& k)
 constexpr std::uint32_t kFaceBit = 2, kStoodBit = 4;
 TALUS_HD bool is_stood(float sample_m) { return (bits_of(sample_m) & kStoodBit) != 0; }
 TALUS_HD bool is_face(float sample_m) { return (bits_of(sample_m) & kFaceBit) != 0; }
-/** Whether the rays over a cell ended below the ground as it would go on from a sample `away_m`
- * away, falling gently: that sample is an edge then. */
+/** Whether rays over a cell ended below ground that falls gently from a sample: that is an edge. */
 TALUS_HD bool ends_below_ground(float ends_m, float sample_m, float away_m)
 {
   return !is_stood(sample_m) & (ends_m < sample_m - kEndsBelow_m - gentle_fall_m(away_m));

@@ -146,8 +146,7 @@ struct ComputeFeatures
   }
 };
 
-/** Keeps whether a cell is passable for stage 4 of the next frame, see 4_reach.h. A guess leads on
- * where it is nearly level. */
+/** Keeps for the next frame's stage 4 whether a cell is passable; a guess must be nearly level. */
 struct NotePassable
 {
   const Map& m;

@@ -4,8 +4,7 @@
 
 namespace talus::kernels
 {
-/** The share of a standard normal distribution below z, to 3e-4 (Abramowitz and Stegun 7.1.27), by
- * operations that give the same bits everywhere. */
+/** The share of a standard normal distribution below z, to 3e-4 (Abramowitz and Stegun 7.1.27). */
 TALUS_HD float normal_below(float z)
 {
   const float x = min_of(abs_of(z) * 0.70710678f, 8.0f);

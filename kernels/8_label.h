@@ -6,8 +6,7 @@
 
 namespace talus::kernels
 {
-// Labels of points, by the cells as they are after the last frame, and by what stage 4 says of them
-// as they are. They read the map and decide nothing in it.
+// Labels of points, by the cells after the last frame and stage 4. They decide nothing in the map.
 
 /** The values of talus::PointLabel. */
 enum Label : std::uint32_t
@@ -110,8 +109,7 @@ struct LabelOf
   }
 };
 
-/** Notes where the object of a point moved away since: what it hit above that in the same cell,
- * higher than the sensor, went with it and did not hang. */
+/** Notes where a point's object moved away: hits above it, higher than the sensor, went with it. */
 template <class Atomics>
 struct NoteMoved
 {

@@ -6,9 +6,8 @@
 
 namespace talus::kernels
 {
-// Channels: values that users bring to each point, fused after stage 6. They decide nothing but
-// where a class has a cost, see TakeClassScores. A point counts for the ground or the object, see
-// surface_at().
+// Channels: values of points, fused after stage 6. They decide nothing but where a class has a
+// cost, see TakeClassScores. A point counts for the ground or the object, see surface_at().
 
 /** Clears the channels of a cell that entered the window, as RollCell clears the cell. */
 struct ForgetChannels

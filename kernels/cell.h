@@ -41,8 +41,7 @@ enum CellFlag : std::uint8_t
   FIELD(float, elevation_var_m2, kernels::kNan)                                        \
   FIELD(std::uint8_t, state, kernels::kUnknown) /* a State */
 
-// Lasting evidence first, then kTransientFields, see clear_transient_evidence(). What a number
-// means is asked by the functions below.
+// Lasting evidence first, then kTransientFields. Functions below say what a number means.
 #define TALUS_CELL_EVIDENCE(FIELD)                                                     \
   FIELD(std::uint8_t, flags, 0) /* CellFlag */                                         \
   FIELD(std::uint8_t, stay_frames, 0) /* countdown without a hit, see overhangs() */   \

@@ -130,8 +130,7 @@ struct Channel
         of_frame.points >= max_weight - known.weight ? max_weight : known.weight + of_frame.points;
     return now;
   }
-  /** Adds the votes of the frame; the class with the most becomes the value, of several the first.
-   */
+  /** Adds the votes of the frame; the first class with the max becomes the value. */
   static TALUS_HD void count_votes(ChannelValue& known, ChannelVotes& votes, std::uint32_t of_frame)
   {
     const int leads = known.weight ? static_cast<int>(known.value) : 0;

@@ -59,8 +59,7 @@ TALUS_HD float distance_along_line(int dx, int dy, const Config& k)
   return static_cast<float>(ring) * cell_m;
 }
 
-/** A grid with the sensor's cell in its middle: for an even number of cells it has one more row and
- * column than the window. */
+/** A grid with the sensor's cell in its middle: for even cells one more row and column. */
 struct LineGrid
 {
   int half, side, pitch;

@@ -17,8 +17,7 @@ struct OffsetHistogram;
 struct Track;
 
 // The arrays of a map beside its cells, one line each: ARRAY(type, name, of what, value at first).
-// This list is all that rules, buffers and their allocation know of them. Rules that share an array
-// of points, cells or rays say there what is in it.
+// Rules, buffers and allocation follow it. Rules that share an array say there what is in it.
 
 #define TALUS_MAP_ARRAYS(ARRAY)                                                                    \
   ARRAY(Body, body, one, Body{})                                                                   \
@@ -103,8 +102,7 @@ struct Layers
       *traversability;
 };
 
-/** A map and its frame, as all rules get it. A rule is a structure with a reference to it and no
- * other member: NameOfRule{m}(x, y, storage_i). */
+/** A map and its frame, as all rules get it. A rule has no member but a reference to it. */
 struct Map
 {
   Config k;

@@ -87,8 +87,7 @@ struct OverhangRays
     return at >= 1 && at + 1 < kSlopeBins ? SlopeBins{at - 1, at + 2} : SlopeBins{};
   }
 
-  /** Whether rays of these bins, or of each of them, ended two or more rings behind the cell, and
-   * none ended before. */
+  /** Whether rays of these bins, or of each, ended two rings behind the cell, and none before. */
   TALUS_HD bool went_on(const SlopeBins& bins, bool each) const
   {
     const int width = each ? 1 : max_of(bins.end - bins.first, 1);

@@ -18,8 +18,7 @@ constexpr int kOffsetOneIn = 16;  //!< one hit in kOffsetOneIn is sampled: some 
 constexpr int kMinGroundHits = 24;  //!< fewer ground hits decide nothing
 /** Ground is bare if nothing stands on it that is higher [steps]. */
 constexpr float kBare_steps = 0.5f;
-/** Width of a bin of the histogram: three bins hold the noise and slopes of one offset; all bins
- * cover corrections of poses. */
+/** Width of a bin of the histogram: three hold one offset's noise, all of them pose corrections. */
 constexpr float kOffsetBin_m = 0.04f;
 /** The datum follows larger offsets only: fusion smooths out smaller ones. */
 constexpr float kFollow_m = 0.02f;
@@ -54,8 +53,7 @@ constexpr int kOverhangStays_frames = 108;
 /** An object stays as a whole: a cell that rays pass waits while one this near is hit above them.
  * Hits on a round trunk or a hedge lie within two cells of its rim. */
 constexpr int kRim_cells = 2;
-/** An object is removed as a whole: the pairs of cells around, on each side, that show that an
- * overhang moved away, 0.7 m in all. */
+/** An object goes as a whole: pairs around that show that an overhang left, 0.7 m in all. */
 constexpr int kLeavesTogether_pairs = 3;
 
 // ---- Stage 4: ground or object ----
@@ -68,8 +66,7 @@ constexpr float kFootprint_m = 0.25f;  //!< the robot stands on this radius arou
 /** In the automatic mode ground is presumed within this distance of the start, and only where
  * ground is seen within it: the blind zone of a beam 15 degrees down, 0.8 m high. */
 constexpr float kStartsWithin_m = 3.0f;
-/** Within this distance of the start the ground is presumed even if the scanner does not look over
- * it, since the robot was put there with room to move off. */
+/** So near to the start ground is presumed in any case: the robot was put there to move off. */
 constexpr float kStartsOn_m = 0.7f;
 /** There may be a drop-off if the ray above the blind zone goes on this deep below it [steps]. */
 constexpr float kStartUndercut_steps = 1.0f;
@@ -127,8 +124,7 @@ constexpr int kBesideRay_cells = 6;
 constexpr float kEndsBelow_m = 0.05f, kEndsFall = 0.15f, kEndsFarFall = 0.25f, kEndsRise_m = 1.0f;
 /** Stride at which a line from the sensor is searched for drop-offs. */
 constexpr int kDropStride_cells = 4;
-/** Deviation of any line, however short. It makes short lines count nearly alike, so that their
- * noise averages out. */
+/** Deviation of any line, however short, so that the noise of short lines averages out. */
 constexpr float kLineDeviation_m = 0.080f;
 /** Ground may rise anywhere in a gap: the deviation, by the height difference, of a uniform
  * distribution, 1 / sqrt(12). */
@@ -146,8 +142,7 @@ constexpr float kAboveLowestLine_steps = 0.25f;
 /** This near to an object lower than the clearance, only rays as low as a step prove that a cell is
  * free: it may be the hidden side of the object. */
 constexpr float kBesideThing_m = 0.5f;
-/** A fill between known ground is free if rays passed this low over it [steps]: between the rings
- * of 32 beams they pass 0.2 to 0.4 m high. */
+/** A fill between known ground is free if rays passed so low [steps]: of 32 beams 0.2 to 0.4 m. */
 constexpr float kFreeBetween_steps = 2.5f;
 
 // ---- Stage 7 ----

@@ -96,8 +96,7 @@ class BackendInterface
 
 std::unique_ptr<BackendInterface> make_cpu_backend(const MapConfig& config, int threads);
 
-/** Makes a backend on a device: number 0, or below cuda_devices(). Throws std::runtime_error with
- * the reason where there is no usable device. */
+/** Throws std::runtime_error with the reason where there is no such device. */
 std::unique_ptr<BackendInterface> make_cuda_backend(const MapConfig& config, int device);
 
 }  // namespace talus

@@ -277,8 +277,7 @@ class MapBackend final : public BackendInterface
     report.total_ms = executor_.total_ms();
     return report;
   }
-  /** Makes slope, step, roughness and sparsity, if the last frame did not: judges once more, with
-   * the same result except for cells written since. */
+  /** Makes the features if the last frame did not: judges again, the same but for written cells. */
   void complete_features()
   {
     if (map_.now->features_known) return;

@@ -232,8 +232,7 @@ struct MapBuffers : kernels::MapArrays<ExecutorType::template Buffer>
   }
   int copied_surfaces() const { return copied(kFirstSurface, kFirstFeature); }
   int copied_features() const { return copied(kFirstFeature, kLayerCount); }
-  /** Copies the rows [first_row, end_row) of such layers; the variance follows when the ground of
-   * all cells is known. */
+  /** Copies rows of such layers; the variance follows when the ground of all cells is known. */
   void deliver_surfaces(Executor& executor, int first_row, int end_row)
   {
     for (int l = kFirstSurface; l < kFirstFeature; l++)

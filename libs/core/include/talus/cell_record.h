@@ -10,8 +10,7 @@ namespace talus
 /** The state of a cell and its last traversability. Heights are in the map frame; NaN: unknown. */
 struct CellRecord
 {
-  /** The bytes of `evidence`, and how many of them, at its start, stay valid for longer than a few
-   * frames, see clear_transient_evidence(). */
+  /** The bytes of `evidence`; at its start those that last, see clear_transient_evidence(). */
   static constexpr int kEvidenceBytes = 7, kLastingBytes = 5;
 
   /** Height of the ground, and the variance of its fused points, or of its fill. */
@@ -35,8 +34,7 @@ void set_reached(CellRecord& record);
 /** Clears the evidence of the latest frames, for a cell that is stored for later. */
 void clear_transient_evidence(CellRecord& record);
 
-/** Cells of the global grid: cell (x, y) covers [x * resolution_m, ...) along x and y of the map
- * frame. */
+/** Cells of the global grid: cell (x, y) begins at (x, y) * resolution_m in the map frame. */
 struct CellRect
 {
   std::int64_t min_cell_x = 0, min_cell_y = 0;  //!< the first cell along x and y

@@ -65,8 +65,7 @@ std::string channels_text(const std::vector<Channel>& channels);
  * that is none or that a layer of maps has. */
 void validate_channels(const std::vector<Channel>& channels);
 
-/** The names of the layers that channels become, two a channel: NAME of the ground, and
- * NAME_standing of what stands on it. */
+/** Names of the layers of channels: NAME of the ground, then NAME_standing of what stands there. */
 std::vector<std::string> channel_layer_names(const std::vector<Channel>& channels);
 
 /** The index of a name in channel_layer_names(). Throws std::invalid_argument that says that

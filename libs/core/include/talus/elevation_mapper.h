@@ -25,8 +25,7 @@ enum class Backend
 /** The default number of threads: one for each core. The bits are those of one thread. */
 constexpr int kAllCores = 0;
 
-/** The number of devices for the CUDA backend; 0 in a build without it. It starts CUDA in this
- * process, so that CUDA does not work after a fork(). */
+/** Devices for the CUDA backend; 0 without it. It starts CUDA, which fails after a later fork(). */
 int cuda_devices();
 
 /** The map: feed it frames, read its layers. Not thread safe.

@@ -19,8 +19,7 @@ namespace talus
 class FrameGatherer
 {
  public:
-  /** Parts of a scan are closer in time than this [s]. A scanner that turns 20 times a second
-   * sends whole scans. */
+  /** Parts of a scan are closer in time than this [s]; at 20 turns a second scans come whole. */
   static constexpr double kApart_s = 0.04;
   /** The time of a scan [s]; the number of its parts is rounded. */
   static constexpr double kScan_s = 0.1;

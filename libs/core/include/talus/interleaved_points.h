@@ -9,8 +9,7 @@
 
 namespace talus
 {
-/** Makes frames of points whose x, y, z are stored together, as most drivers and libraries do. Use
- * one for each sensor: it reuses its memory. */
+/** Makes frames of points whose x, y, z are stored together. One a sensor: it reuses its memory. */
 class InterleavedPoints
 {
  public:

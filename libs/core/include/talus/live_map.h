@@ -23,8 +23,7 @@ struct MapSnapshot
   std::array<std::vector<float>, kLayerCount> layers;  //!< empty: not selected
   std::vector<std::vector<float>> channels;  //!< in the order of channel_layer_names()
 
-  /** One layer of a channel, see ElevationMapper::channel(). Throws std::invalid_argument for a
-   * name that is none. */
+  /** One layer of a channel, see ElevationMapper::channel(). Throws std::invalid_argument. */
   const std::vector<float>& channel(const std::string& name) const;
   /** One layer, see ElevationMapper::layer(). Throws std::invalid_argument with the name of the
    * layer if the live map was made without it. */
@@ -54,8 +53,7 @@ struct LiveCounts
 class LiveMap
 {
  public:
-  /** Snapshots have these `layers`, and those of all channels. Other arguments and exceptions are
-   * those of ElevationMapper and FrameSequence. */
+  /** Snapshots have these `layers` and all channels. Else as ElevationMapper and FrameSequence. */
   LiveMap(
       const Parameters& parameters, const std::vector<Layer>& layers,
       Backend backend = Backend::Auto, int threads = kAllCores, double max_late_s = 1.0,

@@ -136,12 +136,10 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
 /** nearest_name() among all parameters. */
 std::string nearest_parameter_name(const std::string& name);
 
-/** Parses the text of a value (a number, boxes) and sets it. Throws std::invalid_argument naming
- * the parameter, the text, and what is allowed. */
+/** Sets the value that a text gives. Throws std::invalid_argument with what is allowed. */
 void set_parameter(Parameters& p, const std::string& name, const std::string& text);
 
-/** Sets a parameter to a number. Throws std::invalid_argument that names the parameter, the value
- * and the allowed range, also for NaN. */
+/** Sets a number. Throws std::invalid_argument with the allowed range, also for NaN. */
 void set_parameter(Parameters& p, const ParameterInfo& info, double value);
 
 /** The text that set_parameter() reads back. */
@@ -151,8 +149,7 @@ std::string parameter_text(const Parameters& p, const ParameterInfo& info);
  * build with -DTALUS_RULE_SWITCHES=ON looks at it. */
 constexpr const char* kWithoutRulesVariable = "TALUS_WITHOUT_RULES";
 
-/** The numbers (kernels/rules.md) of the rules that this build can leave out, in rising order.
- * Empty in a build without -DTALUS_RULE_SWITCHES=ON. */
+/** The rules (kernels/rules.md) that such a build can leave out, in rising order; else empty. */
 std::vector<int> switchable_rules();
 
 }  // namespace talus

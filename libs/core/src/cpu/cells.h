@@ -5,8 +5,7 @@
 
 #include <algorithm>
 
-// Stage 3 on the CPU. Most cells have few points: thirty-two cells with about as many points are
-// updated side by side, in vector code without branches.
+// Stage 3 on the CPU: thirty-two cells with about as many points, side by side in vector code.
 
 namespace talus::cells
 {

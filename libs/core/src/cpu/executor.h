@@ -123,8 +123,7 @@ class CpuMemory
   kernels::FrameCounts counts_{};
 };
 
-/** Runs the loops of the stages. It has buffers, loops and the atomics of its threads, and knows
- * nothing of the map. */
+/** Runs the loops of the stages, on buffers, with the atomics of its threads. It knows no map. */
 template <class Threads>
 class CpuExecutor : public CpuMemory
 {

@@ -26,8 +26,7 @@ bool in_blocks_of(int begin, int end, const F& f)
   }
   return true;
 }
-/** f(i) for i in [begin, end). The last block of vector code overlaps the one before, so that f
- * must not mind being called twice. */
+/** f(i) for i in [begin, end), for some twice, as the last block overlaps the one before. */
 template <class F>
 void in_blocks(int begin, int end, const F& f)
 {
@@ -358,8 +357,7 @@ void over_own_points(const kernels::Map& m, int n, int part, int parts)
   }
 }
 
-/** Sorts points into the ranges of their cells. The ray of a point's own direction comes first,
- * since it rules most points out as overhangs. */
+/** Sorts points into cells. The ray of a point's own direction rules most out as overhangs. */
 template <class F>
 TALUS_CLONES void find_passed_below(
     const kernels::Map& map, int begin, int end, std::int32_t* passed_below)

@@ -177,8 +177,7 @@ class ThreadPool
         });
   }
 
-  /** body(begin, end) for pieces of [0, n), each of about `grain` or more, and if possible as many
-   * for each thread. */
+  /** body(begin, end) for pieces of [0, n), of `grain` or more, if possible as many a thread. */
   template <class Body>
   void run(int n, int grain, const Body& body)
   {

@@ -8,9 +8,8 @@
 
 namespace talus
 {
-/** The loops of the stages on a device. There are few launches, each thread has a point, a cell or
- * a direction, and each cell searches the lines through it. Independent loops share a launch.
- * `Executor` may be a stand-in for a device. */
+/** The loops of the stages on a device. A thread has a point, a cell or a direction; each cell
+ * searches its lines. Independent loops share a launch. `Executor` may be a stand-in. */
 template <class Executor>
 class Device : public StageLoops<Executor>
 {

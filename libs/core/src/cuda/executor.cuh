@@ -237,8 +237,7 @@ class CudaExecutor
         loops::from_host<F, T>, dim3(blocks(n, loops::kHandedOver)), dim3(loops::kHandedOver), 0, n,
         f, from);
   }
-  /** `First` for the first `firsts` elements and `Then` for the others of n, beside `Cells` for nx
-   * * ny. */
+  /** `First` for the first elements, `Then` for the others of n, beside `Cells` for nx * ny. */
   template <class First, class Then, class Cells>
   void for_each_beside(const kernels::Map& m, int firsts, int n, int nx, int ny)
   {

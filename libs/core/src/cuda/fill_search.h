@@ -30,8 +30,7 @@ TALUS_HD std::uint32_t reverse_bits(std::uint32_t bits)
 #endif
 }
 
-/** The marks of one line: bit r % 32 of word r / 32 is cell r. Up to kGuardWords words beyond both
- * ends are not marked. */
+/** Marks of a line: bit r % 32 of word r / 32 is cell r; kGuardWords at both ends are unmarked. */
 struct LineMarks
 {
   const std::uint32_t* word0;

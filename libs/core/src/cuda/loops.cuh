@@ -127,8 +127,7 @@ __global__ void __launch_bounds__(kHandedOver)
   note_time(done_ns);
 }
 
-/** f.update() of crowded cells first, a warp each, for they take longer: each warp takes the next
- * one. Then the cells of the range, a thread each. */
+/** f.update() of crowded cells, a warp each, which takes the next one; then a thread a cell. */
 template <class F>
 __global__ void __launch_bounds__(kThreads) over_range_and_groups(
     int n, int groups, const __grid_constant__ kernels::Map m, std::uint64_t* done_ns)
@@ -424,9 +423,8 @@ __global__ void __launch_bounds__(kThreads, kBitBlocksAtOnce) over_bits(
   note_time(done_ns);
 }
 
-/** f.begin(x, y) for the cells; f.inspect(x, y) for those where that is true, a warp each, since it
- * is long and they are few; then f(x, y), whose marks are written for the rows, then
- * for the columns, in the layout [word][line]. */
+/** f.begin(x, y) for the cells; f.inspect(x, y) where that is true, a warp each, as it is long and
+ * rare; then f(x, y), whose marks are written for rows, then for columns, as [word][line]. */
 template <class F>
 __global__ void __launch_bounds__(kTileWidth* kTileRows) over_marked_cells(
     int side, const __grid_constant__ kernels::Map m, std::uint32_t* marks, std::uint64_t* done_ns)
