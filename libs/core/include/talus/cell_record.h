@@ -37,8 +37,10 @@ void clear_transient_evidence(CellRecord& record);
 /** Cells of the global grid: cell (x, y) begins at (x, y) * resolution_m in the map frame. */
 struct CellRect
 {
-  std::int64_t min_cell_x = 0, min_cell_y = 0;  //!< the first cell along x and y
-  int width_cells = 0, height_cells = 0;  //!< cells along x and y
+  /** the first cell along x and y */
+  std::int64_t min_cell_x = 0, min_cell_y = 0;
+  /** cells along x and y */
+  int width_cells = 0, height_cells = 0;
 
   /** The number of cells. */
   std::size_t size() const
@@ -66,7 +68,8 @@ struct FrameCells
 {
   /** The wanted cells: in the window before the frame, and in that of the frame. */
   std::vector<CellRect> before, after;
-  CellRecords records_before, records_after;  //!< the result of update()
+  /** the result of update() */
+  CellRecords records_before, records_after;
 };
 
 /** The window: cell (ix, iy) covers [min_x_m + ix * resolution_m, ...) along x, and so along y. */

@@ -34,7 +34,8 @@ struct MapSnapshot
 struct LiveCounts
 {
   std::uint64_t mapped = 0;  //!< with those of ClockSetBack; parts of a scan count one by one
-  std::uint64_t duplicate = 0, late = 0;  //!< frames that were not mapped
+  /** frames that were not mapped */
+  std::uint64_t duplicate = 0, late = 0;
   std::uint64_t clock_set_back = 0;  //!< mapped frames that were the first after the step
 };
 

@@ -107,7 +107,8 @@ struct ParameterInfo
 {
   const char* name;  //!< name in files and on command lines
   const char* unit;  //!< "m", "rad", "m^2", "" for pure numbers
-  double min, max;  //!< allowed range, limits included
+  /** allowed range, limits included */
+  double min, max;
   const char* description;  //!< a short description, for help and pages
   /** Reads the value; null for a text. */
   double (*get)(const Parameters&) = nullptr;
