@@ -103,18 +103,18 @@ Frame Scan::frame() const
   return f;
 }
 
-std::vector<Scan> make_drive(std::size_t points, double radius_m, int scans, double cell_m)
+std::vector<Scan> make_drive(std::size_t points, double radius_m, int scans, double apart_m)
 {
   std::mt19937_64 random(points);
   const std::vector<Box> boxes = make_boxes(radius_m, random);
   std::vector<Scan> drive;
   drive.reserve(static_cast<std::size_t>(scans));
   for (int i = 0; i < scans; i++)
-    drive.push_back(make_scan({boxes, radius_m, 0}, cell_m * i, points, random));
+    drive.push_back(make_scan({boxes, radius_m, 0}, apart_m * i, points, random));
   return drive;
 }
 
-std::vector<Scan> make_road(std::size_t points, double radius_m, double length_m, double cell_m)
+std::vector<Scan> make_road(std::size_t points, double radius_m, double length_m, double apart_m)
 {
   std::mt19937_64 random(points);
   std::vector<Box> boxes;
@@ -130,7 +130,7 @@ std::vector<Scan> make_road(std::size_t points, double radius_m, double length_m
   do
   {
     road.push_back(make_scan({boxes, radius_m, x_m}, x_m, points, random));
-    x_m = std::remainder(x_m + cell_m, length_m);
+    x_m = std::remainder(x_m + apart_m, length_m);
   } while (std::abs(x_m) > 1e-6);
   return road;
 }

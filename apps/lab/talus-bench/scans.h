@@ -17,11 +17,11 @@ struct Scan
 
 /** What a spinning scanner sees on a short drive along x, in steps, among boxes on flat ground,
  * inside a round wall: every ray returns. Noise on the ranges; the same for the same arguments. */
-std::vector<Scan> make_drive(std::size_t points, double radius_m, int scans, double cell_m);
+std::vector<Scan> make_drive(std::size_t points, double radius_m, int scans, double apart_m);
 
-/** The same along a road that repeats itself after `length_m`, driven in steps of `cell_m` until
- * both come out even: scan i % size() is what is seen at i * cell_m along x. The wall goes with the
- * sensor. radius_m <= length_m / 2. */
-std::vector<Scan> make_road(std::size_t points, double radius_m, double length_m, double cell_m);
+/** The same along a road that repeats itself after `length_m`, driven in steps of `apart_m` until
+ * both come out even: scan i % size() is what is seen at i * apart_m along x. The wall goes with
+ * the sensor. radius_m <= length_m / 2. */
+std::vector<Scan> make_road(std::size_t points, double radius_m, double length_m, double apart_m);
 
 }  // namespace talus::bench

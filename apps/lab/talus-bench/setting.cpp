@@ -18,9 +18,9 @@ const std::vector<Scan>& drive(const Setting& s)
   static std::map<std::string, std::vector<Scan>> made;
   const double radius_m = 0.55 * s.cells * kResolution_m;
   const std::string key =
-      std::to_string(s.points) + "/" + std::to_string(s.cells) + "/" + std::to_string(s.cell_m);
+      std::to_string(s.points) + "/" + std::to_string(s.cells) + "/" + std::to_string(s.apart_m);
   auto& scans = made[key];
-  if (scans.empty()) scans = make_drive(s.points, radius_m, s.points > 200000 ? 3 : 8, s.cell_m);
+  if (scans.empty()) scans = make_drive(s.points, radius_m, s.points > 200000 ? 3 : 8, s.apart_m);
   return scans;
 }
 }  // namespace
@@ -53,7 +53,7 @@ std::vector<Setting> settings()
     {
       Setting s = all[i];
       s.name += std::string("/") + name;
-      s.cell_m = kRoll_m;
+      s.apart_m = kRoll_m;
       s.cells_handed_over = handed_over;
       all.push_back(s);
     }

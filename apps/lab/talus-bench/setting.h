@@ -28,7 +28,7 @@ struct Setting
   /** The next frame is started before each is finished; what is measured is from finish to finish.
    * The CPU backend leaves these settings out. */
   bool overlapped = false;
-  double cell_m = 0.07;  //!< between frames
+  double apart_m = 0.07;  //!< between frames
   HandedOver cells_handed_over = HandedOver::Nothing;
 
   double points_and_cells() const
