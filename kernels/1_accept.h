@@ -79,20 +79,6 @@ TALUS_HD Point transform(const WindowPose& pose, const Point& p)
       m[8] * p.x_m + m[9] * p.y_m + m[10] * p.z_m + m[11]};
 }
 
-/** The cell of a point of the window frame; (0, 0) where it is outside. */
-struct CellOfPoint
-{
-  bool inside;
-  int ix, iy;
-};
-TALUS_HD CellOfPoint cell_of(const Point& p, const Config& k)
-{
-  const float n = static_cast<float>(k.cells);
-  const float x = p.x_m * k.inverse_resolution, y = p.y_m * k.inverse_resolution;
-  const bool inside = (x >= 0.0f) & (x < n) & (y >= 0.0f) & (y < n);
-  return {inside, floor_to_int(select(inside, x, 0.0f)), floor_to_int(select(inside, y, 0.0f))};
-}
-
 /** The pose at a point's time (deskew): linear between the poses of the path, which lie so close
  * together that this is exact to rounding. */
 TALUS_HD WindowPose pose_at(const FrameContext& f, float time_s)

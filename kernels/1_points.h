@@ -110,9 +110,14 @@ struct AcceptPoint
     const Verdict verdict = accept(sensed, rise_above_sensor(pose, sensed), m.k);
     int code = select((verdict.seen != 0) & !kept, kVoxel, verdict.code);
     put_ray(point_i, p, (verdict.seen != 0) & kept);
-    const CellOfPoint cell = cell_of(p, m.k);
-    code = select((code == kAccepted) & !cell.inside, kOutside, code);
-    m.point_cell[point_i] = select(code == kAccepted, m.at(cell.ix, cell.iy), -1);
+    const float n = static_cast<float>(m.k.cells);
+    const float cx = p.x_m * m.k.inverse_resolution, cy = p.y_m * m.k.inverse_resolution;
+    const bool inside = (cx >= 0.0f) & (cx < n) & (cy >= 0.0f) & (cy < n);
+    code = select((code == kAccepted) & !inside, kOutside, code);
+    const int ix = floor_to_int(select(inside, cx, 0.0f));
+    const int iy = floor_to_int(select(inside, cy, 0.0f));
+    const int cell = m.at(ix, iy);
+    m.point_cell[point_i] = select(code == kAccepted, cell, -1);
     m.point_reject[point_i] = static_cast<std::uint32_t>(code);
     m.point_height_m[point_i] = p.z_m;
     m.point_variance_m2[point_i] =

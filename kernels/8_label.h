@@ -81,8 +81,10 @@ struct LabelPoint
     const Verdict verdict = accept(sensed, rise_above_sensor(pose, sensed), m.k);
     if (verdict.code != kAccepted || is_body(sensed, *m.frame, *m.body)) return kLabelNotTaken;
     const Point p = transform(pose, sensed);
-    const auto [inside, ix, iy] = cell_of(p, m.k);
-    if (!inside) return kLabelOutside;
+    const float n = static_cast<float>(m.k.cells);
+    const float cx = p.x_m * m.k.inverse_resolution, cy = p.y_m * m.k.inverse_resolution;
+    if (!((cx >= 0.0f) & (cx < n) & (cy >= 0.0f) & (cy < n))) return kLabelOutside;
+    const int ix = floor_to_int(cx), iy = floor_to_int(cy);
     storage_i = m.at(ix, iy);
     const bool from_below =
         p.z_m > m.frame->sensor_z_map_m && !(m.moved && m.moved[storage_i] != 0);
