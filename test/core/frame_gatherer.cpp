@@ -44,7 +44,7 @@ struct Gathered
     points.push_back(scan.size);
   };
   void add(const Frame& frame) { gatherer.add(frame, take); }
-  void add(double at_s, std::uint32_t sensor = 0) { add(scans.part(at_s, sensor)); }
+  void add(double at_s, std::uint32_t sensor = 0) { add(part(at_s, sensor)); }
   void finish() { gatherer.finish(take); }
 };
 
