@@ -188,7 +188,7 @@ void add_site(CLI::App& app, Options& o)
   app.add_flag(
          "--traffic", o.traffic,
          "Write traffic.tif, too: how often something that moved was in each cell, how many scans "
-         "hit it, and how fast it was")
+         "hit it")
       ->excludes(none);
   app.add_option(
          "--resume", o.resume,

@@ -45,9 +45,6 @@ enum class Which
   All  //!< those with a ground
 };
 
-/** Whether a scan hit something above a cell. */
-bool is_hit(const SeenRays& scan, double resolution_m, const Column& c);
-
 /** The columns of a rectangle of cells of a floor. Scans are recent after a time. */
 std::vector<Column> count_columns(
     Site& site, const CellRect& cells, int floor, Which which, const Scans& scans, double recent_s);

@@ -173,7 +173,7 @@ Moved moved_of(
 /** `moved`: of what stands, ascending. */
 void note_traffic(
     const TileKey& key, const std::vector<Column>& columns, Surroundings around,
-    const std::vector<int>& moved, double resolution_m, const Scans& scans, TrafficTile& traffic)
+    const std::vector<int>& moved, TrafficTile& traffic)
 {
   for (const Column& c : columns) around.put(c);
   for (const Column& c : columns)
@@ -185,9 +185,6 @@ void note_traffic(
     TrafficCell& cell = traffic.cells[place];
     cell.times += c.recent.times;
     cell.scans += c.recent.scans;
-    for (const SeenRays* scan : scans)
-      if (scan->stamp_s() > traffic.until_s && is_hit(*scan, resolution_m, c))
-        traffic.hits[scan->stamp_s()].push_back(place);
   }
 }
 }  // namespace
@@ -205,7 +202,7 @@ std::set<TileKey> clear_traffic(
   const Moved moved = moved_of(key, columns, around, site.resolution_m, trails);
   if (noted)
   {
-    note_traffic(key, columns, around, moved.places, site.resolution_m, scans, *noted);
+    note_traffic(key, columns, around, moved.places, *noted);
     noted->until_s = scans.back()->stamp_s();
   }
   if (moved.places.empty()) return {};

@@ -32,10 +32,10 @@ io::LayerStack layers_of(const Traffic& traffic, const std::vector<TileKey>& key
       cell_m,
       min_x * kTileCells * cell_m,
       min_y * kTileCells * cell_m,
-      {"times", "scans", "speed_mps"},
+      {"times", "scans"},
       {}};
   const auto width = static_cast<std::size_t>(stack.cells_x);
-  stack.layers.assign(3, std::vector<float>(width * static_cast<std::size_t>(stack.cells_y), NAN));
+  stack.layers.assign(2, std::vector<float>(width * static_cast<std::size_t>(stack.cells_y), NAN));
   const auto put = [&](std::size_t layer, const TileKey& key, int place, float value)
   {
     const int x = (key.x - min_x) * kTileCells + place % kTileCells;
@@ -48,8 +48,6 @@ io::LayerStack layers_of(const Traffic& traffic, const std::vector<TileKey>& key
       put(0, key, place, static_cast<float>(cell.times));
       put(1, key, place, static_cast<float>(cell.scans));
     }
-  for (const auto& [key, speeds] : speeds_of(traffic, moved, cell_m))
-    for (const auto& [place, speed_mps] : speeds) put(2, key, place, speed_mps);
   return stack;
 }
 
