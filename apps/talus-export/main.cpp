@@ -155,23 +155,30 @@ std::string folder_for(const std::string& file, const Options& o)
   return beside.empty() ? "." : beside.string();
 }
 
-/** Before the work: no file is written over an input or over another one. */
-void require_files_apart(const Options& o)
+/** An input, and the files of its map. */
+struct Input
 {
-  std::vector<std::string> inputs = o.inputs;
-  inputs.push_back(o.exports.changes);
+  std::string file;
+  std::vector<std::string> map;
+};
+
+/** Before the work: no file is written over an input or over another one. */
+void require_files_apart(const std::vector<Input>& inputs, const Options& o)
+{
+  std::vector<std::string> read = o.inputs;
+  read.push_back(o.exports.changes);
   std::map<fs::path, std::string> written_for;
-  for (const std::string& file : o.inputs)
+  for (const Input& input : inputs)
   {
-    const auto files = app::files_of_export(file, folder_for(file, o), o.exports);
-    app::require_apart("", files, inputs);
+    const auto files = app::files_of_export(input.map, folder_for(input.file, o), o.exports);
+    app::require_apart("", files, read);
     for (const std::string& written : files)
     {
       const auto [first, is_new] =
-          written_for.emplace(fs::weakly_canonical(fs::absolute(written)), file);
-      if (!is_new && !app::is_same_file(first->second, file))
+          written_for.emplace(fs::weakly_canonical(fs::absolute(written)), input.file);
+      if (!is_new && !app::is_same_file(first->second, input.file))
         throw std::runtime_error(
-            first->second + " and " + file + ": both would be written as " + written +
+            first->second + " and " + input.file + ": both would be written as " + written +
             "; export them one by one, each with an --output of its own");
     }
   }
@@ -183,21 +190,26 @@ using Folders = std::map<std::string, std::unique_ptr<OutputFolder>>;
 /** The exit code: what fails costs no other file. */
 int export_all(const Options& o, const Folders& folders)
 {
-  require_files_apart(o);
   int code = 0;
+  std::vector<Input> inputs;
   for (const std::string& file : o.inputs)
   {
-    const OutputFolder& folder = *folders.at(folder_for(file, o));
-    const auto tell = [&](const std::string& text) { print_error(folder.told(text)); };
-    const auto work = [&]
+    const auto look = [&]
     {
-      const auto told = app::export_files(
-          file, folder.staging(), o.title.empty() ? title_of(file) : o.title, o.exports);
-      for (const std::string& note : told.notes) tell("warning: " + note);
-      for (const std::string& error : told.errors) tell(error);
-      return told.errors.empty() ? 0 : 1;
+      inputs.push_back({file, app::files_of_map(file)});
+      return 0;
     };
-    code = std::max(code, app::code_of(work, tell, file, kLessMemory));
+    code = std::max(code, app::code_of(look, print_error, file, kLessMemory));
+  }
+  require_files_apart(inputs, o);
+  for (const auto& [file, map] : inputs)
+  {
+    const OutputFolder& folder = *folders.at(folder_for(file, o));
+    const app::Exported exported = app::export_files(
+        map, folder.staging(), o.title.empty() ? title_of(file) : o.title, o.exports);
+    for (const std::string& note : exported.notes) print_error(folder.shown("warning: " + note));
+    for (const std::string& error : exported.errors) print_error(folder.shown(error));
+    if (!exported.errors.empty()) code = 1;
   }
   return code;
 }

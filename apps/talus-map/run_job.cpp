@@ -71,9 +71,9 @@ struct JobFolders
     require_no_foreign_labels(job.labels);
     labels.emplace(job.labels, "--labels");
   }
-  std::string told(const std::string& error) const
+  std::string shown(const std::string& error) const
   {
-    return results.told(labels ? labels->told(error) : error);
+    return results.shown(labels ? labels->shown(error) : error);
   }
   /** The results last, since summary.json says that all is there. */
   void commit()
@@ -124,7 +124,7 @@ bool write_site(KeptSite& site, const OutputFolder& output, io::RunSummary& run,
   }
   catch (const std::exception& e)
   {
-    run.warnings.push_back("the site map is not written: " + output.told(e.what()));
+    run.warnings.push_back("the site map is not written: " + output.shown(e.what()));
   }
   std::vector<fs::path> parts;
   for (const auto& file : fs::directory_iterator(output.staging()))
@@ -207,7 +207,7 @@ int map_or_tell(
   }
   catch (const std::exception& e)
   {
-    print_error(folders.told(e.what()));
+    print_error(folders.shown(e.what()));
   }
   return kSomeFailed;
 }
@@ -235,7 +235,7 @@ bool write_exports(
 {
   if (options.exports.formats.empty()) return true;
   const auto tell = [&](const std::string& text)
-  { print_error(job.log + ": " + output.told(text)); };
+  { print_error(job.log + ": " + output.shown(text)); };
   const auto work = [&]
   {
     fs::path map = fs::path(output.staging()) / "site.tif";
@@ -244,8 +244,8 @@ bool write_exports(
     ExportOptions exports = options.exports;
     auto& smallest_m = exports.occupancy.close_islands_m;
     smallest_m = robot_size_m(settings, smallest_m);
-    const Exported told =
-        export_files(map.string(), output.staging(), (name / map.stem()).string(), exports);
+    const Exported told = export_files(
+        files_of_map(map.string()), output.staging(), (name / map.stem()).string(), exports);
     for (const std::string& note : told.notes) tell("warning: " + note);
     for (const std::string& error : told.errors) tell(error);
     return told.errors.empty() ? kDone : kSomeFailed;
@@ -317,7 +317,7 @@ bool suggest_settings(const Job& job, const Options& options, const Settings& se
     return kDone;
   };
   const auto tell = [&](const std::string& text)
-  { print_error(hidden ? hidden->told(text) : text); };
+  { print_error(hidden ? hidden->shown(text) : text); };
   return run_command_in_child(job.log, kLookAtLog, work, tell) == kDone;
 }
 

@@ -244,7 +244,7 @@ TEST_F(TalusMapChannels, that_the_log_does_not_have_are_named)
   write_log(path("drive.rawlog"), valued_scans(2), Packing::Gz);
   const Outcome done = run("drive.rawlog --static --channels intensity:mean,label:vote");
   EXPECT_EQ(done.code, 1);
-  EXPECT_NE(done.err.find("no scan of it has the values 'label'"), std::string::npos) << done.err;
+  EXPECT_SAYS(done.err, "no scan of it has the values 'label'");
   EXPECT_FALSE(exists("drive_map"));
 }
 
@@ -256,7 +256,7 @@ TEST_F(TalusMapChannels, of_a_vote_must_be_classes)
   write_log(path("drive.rawlog"), {scan}, Packing::Gz);
   const Outcome done = run("drive.rawlog --static --channels intensity:vote");
   EXPECT_EQ(done.code, 1);
-  EXPECT_NE(done.err.find("'intensity' has the value 40"), std::string::npos) << done.err;
+  EXPECT_SAYS(done.err, "'intensity' has the value 40");
   EXPECT_EQ(run("drive.rawlog --static --channels intensity:max").code, 0);
 }
 
@@ -271,6 +271,6 @@ TEST_F(TalusMapChannels, that_are_none_are_wrong_usage)
   {
     const Outcome done = run("drive.rawlog --static --channels " + text);
     EXPECT_EQ(done.code, 2) << text;
-    EXPECT_NE(done.err.find(word), std::string::npos) << done.err;
+    EXPECT_SAYS(done.err, word);
   }
 }

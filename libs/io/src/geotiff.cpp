@@ -5,7 +5,6 @@
 
 #include "bands.h"
 #include "gdal_support.h"
-#include "geo_reference.h"
 
 #include <cpl_string.h>
 

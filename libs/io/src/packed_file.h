@@ -1,12 +1,18 @@
 #pragma once
+#include "unpacker.h"
+
+#include <mrpt/poses/CPose3D.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
-
-#include "unpacker.h"
 
 namespace talus::io
 {
@@ -60,5 +66,35 @@ class PackedFile
 /** Reads a file to its end, which compares the checksums of packed data, and returns the number of
  * bytes after unpacking. Throws std::runtime_error as PackedFile does. */
 std::uint64_t verified_size(const std::string& path);
+
+/** What MRPT reads objects from: a file that may be packed. */
+class PackedArchive : public mrpt::serialization::CArchive
+{
+ public:
+  explicit PackedArchive(PackedFile& file) : file_(file) {}
+  std::string getArchiveDescription() const override { return "file"; }
+
+ protected:
+  /** All of it: not every reader of MRPT looks whether it got what it asked for. */
+  std::size_t read(void* to, std::size_t count) override
+  {
+    if (file_.read(to, count) < count)
+      throw std::runtime_error("the data ends in the middle of it");
+    return count;
+  }
+  std::size_t write(const void*, std::size_t) override
+  {
+    throw std::logic_error("an archive for reading");
+  }
+
+ private:
+  PackedFile& file_;
+};
+
+inline bool is_finite(const mrpt::poses::CPose3D& pose)
+{
+  const auto T = pose.getHomogeneousMatrixVal<mrpt::math::CMatrixDouble44>();
+  return std::all_of(T.begin(), T.end(), [](double v) { return std::isfinite(v); });
+}
 
 }  // namespace talus::io

@@ -1,4 +1,4 @@
-#include "column.h"
+#include "surroundings.h"
 
 #include "kept_cell.h"
 #include "strips.h"

@@ -1,6 +1,6 @@
 #include "hindsight.h"
 
-#include "judge_anew.h"
+#include "reassess.h"
 #include "traffic.h"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
 #include <talus/site/merge.h>
 
 #include "known_cells.h"
-#include "channel_values.h"
 #include "kept_cell.h"
 
 #include <algorithm>

@@ -3,8 +3,8 @@
 #include <talus/site/site_files.h>
 
 #include "changes.h"
-#include "channel_values.h"
-#include "moved_reader.h"
+#include "kept_cell.h"
+#include "site_reader.h"
 
 #include <sys/resource.h>
 

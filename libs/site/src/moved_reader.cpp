@@ -1,4 +1,4 @@
-#include "moved_reader.h"
+#include "site_reader.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,17 +1,17 @@
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
-#include "channel_values.h"
-#include "moved_reader.h"
-#include "site_dataset.h"
-#include "site_file.h"
+#include "kept_cell.h"
 #include "site_reader.h"
+#include "site_dataset.h"
+#include "site_metadata.h"
 
 #include <talus/io/atomic_file.h>
 #include <talus/number_text.h>
 
 #include <cpl_string.h>
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -153,6 +153,16 @@ void read_site(const std::string& path, Site& site, int floor, const MapShift& s
 }
 
 SiteInfo info_of_site(const std::string& path) { return SiteReader(path).info(); }
+
+bool is_site(const io::GeotiffFile& file)
+{
+  if (file.item(kFloorItem).empty()) return false;
+  const io::LayerStack at = file.read({"none of its bands"});
+  const auto begins = [&](const char* cell, double min_m)
+  { return std::abs(number_from(file.item(cell)).value_or(NAN) * at.resolution_m - min_m) < 1e-3; };
+  return begins(kMinCellXItem, at.min_x_m) && begins(kMinCellYItem, at.min_y_m) &&
+         at.cells_x % kTileCells == 0 && at.cells_y % kTileCells == 0;
+}
 
 std::vector<std::vector<WayPoint>> ways_of_site(const io::GeotiffFile& file)
 {

@@ -1,8 +1,7 @@
 #include <talus/site/site_mapper.h>
 
-#include "channel_values.h"
-#include "hindsight.h"
 #include "kept_cell.h"
+#include "hindsight.h"
 #include "strips.h"
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "column.h"
+#include "surroundings.h"
 #include "seen_rays.h"
 
 namespace talus::site

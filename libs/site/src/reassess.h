@@ -11,7 +11,7 @@ namespace talus::site
 /** Judges cells of a tile that have changed, and those around them whose judgement rests on them:
  * they get the fills and the traversability of a map that has measured what the site has.
  * `changed`: places in the tile. */
-void judge_anew(
+void reassess(
     Site& site, const Parameters& parameters, const TileKey& key, const std::vector<int>& changed);
 
 /** Leaves guesses of a tile unjudged that no scan around it proves. A guess goes on level from the
