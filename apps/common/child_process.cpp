@@ -112,12 +112,12 @@ ChildEnd run_in_child(const std::function<int()>& work)
 
 int run_command_in_child(
     const std::string& file, const std::string& advice, const std::function<int()>& work,
-    const std::function<void(const std::string&)>& tell)
+    const std::function<void(const std::string&)>& report)
 {
-  const ChildEnd end = run_in_child([&] { return code_of(work, tell, file, advice); });
+  const ChildEnd end = run_in_child([&] { return code_of(work, report, file, advice); });
   if (stop_signal())
   {
-    tell("stopped; nothing was written");
+    report("stopped; nothing was written");
     return 128 + stop_signal();
   }
   if (end.signal) throw std::runtime_error(crash_text(file, end.signal));
@@ -180,7 +180,7 @@ std::string failure_text(
 }
 
 int code_of(
-    const std::function<int()>& work, const std::function<void(const std::string&)>& tell,
+    const std::function<int()>& work, const std::function<void(const std::string&)>& report,
     const std::string& file, const std::string& advice)
 {
   try
@@ -189,7 +189,7 @@ int code_of(
   }
   catch (const std::exception& e)
   {
-    tell(failure_text(e, file, advice));
+    report(failure_text(e, file, advice));
     return 1;
   }
 }

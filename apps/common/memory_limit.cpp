@@ -15,7 +15,7 @@ namespace talus::app
 {
 namespace
 {
-/** 0 when the system does not tell. */
+/** 0 when it is unknown. */
 std::size_t address_space_bytes()
 {
   std::size_t pages = 0;

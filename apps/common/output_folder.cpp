@@ -215,8 +215,8 @@ int make_results(
     make(output.staging());
     return 0;
   };
-  const auto tell = [&](const std::string& text) { print_error(output.shown(text)); };
-  const int code = run_command_in_child(input, advice, work, tell);
+  const auto report = [&](const std::string& text) { print_error(output.shown(text)); };
+  const int code = run_command_in_child(input, advice, work, report);
   if (code == 0) output.commit(seal);
   return code;
 }

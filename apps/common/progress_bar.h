@@ -4,11 +4,11 @@
 
 namespace talus::app
 {
-/** Tells from fractions of a job and the times [s] of a clock how long it still takes. */
+/** Estimates from fractions of a job and the times [s] of a clock how long it still takes. */
 class TimeLeft
 {
  public:
-  /** "40 s left", or "" while nothing can be told. A fraction that falls begins another job. */
+  /** "40 s left", or "" while nothing is known. A fraction that falls begins another job. */
   std::string text(double fraction, double now_s);
 
  private:

@@ -119,7 +119,7 @@ void add_settings(CLI::App& app, Options& o)
   app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
 }
 
-/** Refuses what no single option tells. */
+/** Refuses what is wrong of several options together. */
 void check(const Options& o)
 {
   const bool has_page = std::find(o.exports.formats.begin(), o.exports.formats.end(), "html") !=

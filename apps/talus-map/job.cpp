@@ -39,7 +39,7 @@ std::vector<std::string> rawlogs_in(const std::string& folder)
   return logs;
 }
 
-/** A folder always: what it lacks is told by who looks into it. */
+/** A folder always: who looks into it says what it lacks. */
 bool is_importable(const std::string& path)
 {
   std::error_code ec;

@@ -268,8 +268,8 @@ void add_outputs(CLI::App& app, Options& o)
       ->type_name("NAME:RULE,...");
   app.add_flag(
       "--risk", o.risk,
-      "Also write the layer risk: the probability that a cell is impassable, by what the map tells "
-      "of its errors");
+      "Also write the layer risk: the probability that a cell is impassable, by its "
+      "error estimates");
   auto* labels =
       app.add_option(
              "--labels", o.labels,

@@ -135,8 +135,7 @@ TEST_F(TalusCalibrate, TellsOfADiskThatIsFullByTheNameOfTheFolderAndWritesNothin
 {
   simulate(kWaves, kWay, kFewScans + "--frames 12");
   const auto full =
-      run("ulimit -f 2; " + std::string(TALUS_CALIBRATE_EXE) +
-          " drive.rawlog --max-range 4 --quiet --output out");
+      shell("ulimit -f 2; " TALUS_CALIBRATE_EXE " drive.rawlog --max-range 4 --quiet --output out");
   EXPECT_EQ(full.code, 1);
   EXPECT_EQ(full.text.rfind("talus-calibrate: out/calibration.", 0), 0U) << full.text;
   EXPECT_FALSE(fs::exists(path("out")));

@@ -97,17 +97,21 @@ TEST_F(TalusExport, stock_programs_find_the_cells_of_the_map_in_each_format)
   EXPECT_EQ(voxels, kSmallTerrainJudged + 5 * kSmallTerrainBox)
       << "the ground, and five above each of the box";
   if (has("bt2vrml"))
+  {
     EXPECT_SAYS(
         shell("bt2vrml a/b/site.bt").text,
         "Finished writing " + std::to_string(leaves) + " voxels");
+  }
 
   mrpt::maps::CSimplePointsMap points;
   ASSERT_TRUE(points.loadFromPlyFile(path("a/b/site.ply")));
   EXPECT_EQ(points.size(), std::size_t{50 * 40 + 4 * kSmallTerrainBox + 2 * (20 + 20)});
   if (has("assimp"))
+  {
     EXPECT_SAYS(
         shell("assimp info a/b/site.ply").text,
         "Faces:              " + std::to_string(kSmallTerrainFaces));
+  }
 }
 
 TEST_F(TalusExport, a_name_of_a_map_is_one_value_of_its_yaml)

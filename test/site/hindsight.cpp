@@ -144,21 +144,6 @@ TEST(Traffic, what_somebody_walks_by_stays)
   EXPECT_EQ(posts(), posts_before);
 }
 
-TEST(Traffic, what_stands_beside_the_way_stays)
-{
-  KeptDrive kept(
-      "robot: {path_m: [[0, 0], [40, 0]], speed_mps: 5}\n"
-      "objects:\n"
-      "- box: {at_m: [12, 2.6], size_m: [4, 1.6, 1.5]}\n"
-      "- posts: {from_m: [2, -2], to_m: [38, -2], count: 19, height_m: 0.9, radius_m: 0.06}\n");
-  const auto all = [&] { return kept.count(-5, 45, -5, 5); };
-  const auto before = all();
-  kept.mapper.look_back(kept.map);
-  EXPECT_GT(before.stand, 150);
-  EXPECT_EQ(all().stand, before.stand);
-  EXPECT_EQ(all().blocked, before.blocked);
-}
-
 TEST(Traffic, what_came_to_stay_is_kept)
 {
   const std::string round = "[8, 0], [8, 6], [0, 6], [0, 0]";

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "sites.h"
+
 using namespace talus;
 using namespace talus::site;
 
@@ -75,10 +77,7 @@ struct KeptDrive
   }
   SiteCell at(std::int64_t x, std::int64_t y, int floor = 0)
   {
-    const Tile* tile = site.tiles.find({floor, tile_of(x), tile_of(y)});
-    return tile ? tile->cells[static_cast<std::size_t>(
-                      place_in_tile(y) * kTileCells + place_in_tile(x))]
-                : SiteCell{};
+    return test::known_at(site, x, y, floor);
   }
   float in_window(Layer layer, double x_m, double y_m) const
   {
@@ -492,11 +491,8 @@ struct ValuedDrive : KeptDrive
   {
     const auto x = static_cast<std::int64_t>(std::floor(x_m / site.resolution_m));
     const auto y = static_cast<std::int64_t>(std::floor(y_m / site.resolution_m));
-    const ChannelTile* tile = site.channel_tiles.find({0, tile_of(x), tile_of(y)});
-    return tile ? tile->cells[static_cast<std::size_t>(
-                                  place_in_tile(y) * kTileCells + place_in_tile(x))]
-                      .values[layer]
-                : NAN;
+    const bool has_tile = site.channel_tiles.has({0, tile_of(x), tile_of(y)});
+    return has_tile ? test::value_at(site, x, y, layer) : NAN;
   }
   void keep_of_middle()
   {

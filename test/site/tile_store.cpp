@@ -270,7 +270,7 @@ TEST(TileOf, counts_cells_on_both_sides_of_the_origin)
   EXPECT_EQ(tile_of(-1), -1);
   EXPECT_EQ(tile_of(-128), -1);
   EXPECT_EQ(tile_of(-129), -2);
-  EXPECT_EQ(place_in_tile(-1), 127);
-  EXPECT_EQ(place_in_tile(-128), 0);
-  EXPECT_EQ(place_in_tile(130), 2);
+  EXPECT_EQ(index_in_tile(-1), 127);
+  EXPECT_EQ(index_in_tile(-128), 0);
+  EXPECT_EQ(index_in_tile(130), 2);
 }

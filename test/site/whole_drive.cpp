@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "sites.h"
+
 using namespace talus;
 using namespace talus::site;
 
@@ -61,13 +63,7 @@ struct WholeDrive
         sim::truth(world, area, frames.back().time_s, TruthMap::truth_options(p, false)), p);
   }
 
-  SiteCell cell(std::int64_t x, std::int64_t y)
-  {
-    const Tile* tile = site.tiles.find({0, tile_of(x), tile_of(y)});
-    return tile ? tile->cells[static_cast<std::size_t>(
-                      place_in_tile(y) * kTileCells + place_in_tile(x))]
-                : SiteCell{};
-  }
+  SiteCell cell(std::int64_t x, std::int64_t y) { return test::known_at(site, x, y); }
 
   const Parameters p;
   const sim::World& world;

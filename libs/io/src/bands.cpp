@@ -10,7 +10,7 @@
 
 namespace talus::io
 {
-std::size_t place_of_band(const std::string& name)
+std::size_t index_of_band(const std::string& name)
 {
   for (const Layer first : {Layer::Traversability, Layer::GroundElevation})
     if (name == layer_name(first)) return first == Layer::Traversability ? 0 : 1;

@@ -52,10 +52,10 @@ DatasetPtr open_geotiff(const std::string& path, const GdalErrors& errors);
 
 /** Throws std::runtime_error that names the file and the band unless each band holds float32 as
  * they are: no other type, no scale or offset, no rounding when it was compressed. A program that
- * converts a file keeps its metadata, so that nothing else tells. */
+ * converts a file keeps its metadata, so that nothing else shows it. */
 void require_plain_floats(GDALDataset& dataset, const std::string& path);
 
-/** While it lives, GDAL keeps at most so many blocks in memory. Of the whole process. */
+/** While it lives, GDAL keeps at most 256 MB of blocks in memory. Of the whole process. */
 class GdalCacheLimit
 {
  public:
@@ -93,7 +93,7 @@ std::array<double, 6> transform_of(
 /** A place of the map frame in the system of crs_of(). */
 void to_crs(double& x_m, double& y_m, const std::optional<GeoOrigin>& origin);
 
-/** Writes the items of the metadata that tell of the origin. */
+/** Writes the items of the metadata of the origin. */
 void put_origin(GDALDataset& dataset, const std::optional<GeoOrigin>& origin);
 
 }  // namespace talus::io

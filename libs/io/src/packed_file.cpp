@@ -29,7 +29,7 @@ PackedFile::PackedFile(const std::string& path)
     : path_(path), file_(path, std::ios::binary), packed_(kChunk), unpacked_(kChunk)
 {
   if (!file_) throw std::runtime_error(path + ": cannot be opened. Check its permissions.");
-  std::error_code is_no_file;  // of a size that it tells
+  std::error_code is_no_file;  // with a size
   const std::uintmax_t size = std::filesystem::file_size(path, is_no_file);
   if (!is_no_file) file_bytes_ = size;
   refill();

@@ -218,7 +218,7 @@ void ChangeSums::add(const ChangeSums& other)
   }
 }
 
-bool have_common_place(Site& from, Site& to, int floor)
+bool have_common_tile(Site& from, Site& to, int floor)
 {
   const TileBox box = common_tiles(from, to, floor);
   return box.min_x <= box.max_x;
@@ -229,7 +229,7 @@ ChangeSums write_changes(
     int floor, double step_m)
 {
   require_one_frame(geotiff_path, from, to);
-  if (!have_common_place(from, to, floor))
+  if (!have_common_tile(from, to, floor))
     throw std::runtime_error(
         geotiff_path + ": nothing to compare: the two sites have no place in common");
   const TileBox box = common_tiles(from, to, floor);

@@ -48,7 +48,7 @@ void count(std::uint32_t bins, std::array<std::uint16_t, Column::kBins>& counts)
   for (; bins != 0; bins &= bins - 1) ++counts[static_cast<std::size_t>(__builtin_ctz(bins))];
 }
 
-/** Counts what a scan tells of a cell. */
+/** Counts what a scan saw of a cell. */
 void count(const SeenRays& scan, float resolution_m, bool is_recent, Column& c)
 {
   std::uint32_t hit = 0, passed = 0;  // bins above the cell

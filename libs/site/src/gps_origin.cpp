@@ -14,7 +14,7 @@ namespace talus::site
 {
 namespace
 {
-constexpr double kShortest_m = 10;  // a drive that tells the heading
+constexpr double kShortest_m = 10;  // a drive that determines the heading
 constexpr double kDegrees = 180 / M_PI;
 
 using Vec3 = std::array<double, 3>;
@@ -105,7 +105,7 @@ std::optional<GeoOrigin> origin_from_fixes(const std::vector<GpsFix>& fixes, std
     a.map = {first.x_m, first.y_m, first.z_m};
     a.local = {0, 0, first.altitude_m};
     warning =
-        "the fixes of the log's GPS are too close to each other to tell where north is; x was "
+        "the fixes of the log's GPS are too close to each other to find north; x was "
         "taken to point east: give --origin LAT,LON,ALT,HEADING";
   }
   else if (a.rms_m > kMax_m)

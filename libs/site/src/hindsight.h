@@ -16,7 +16,7 @@
 
 namespace talus::site
 {
-/** Corrects a site by what later scans and those from farther away tell: the map of a drive is not
+/** Corrects a site by later scans and those from farther away: the map of a drive is not
  * in a hurry. A tile is looked at when the robot is far away from it. */
 class Hindsight
 {
@@ -28,7 +28,7 @@ class Hindsight
   void touch(const TileKey& key) { touched_.insert(key); }
   /** Looks at one tile that the robot has left behind, packs those that were looked at, and forgets
    * scans that nothing needs. */
-  void follow(Site& site, const ElevationMapper& map, const SiteMapper::Place& base);
+  void follow(Site& site, const ElevationMapper& map, const SiteMapper::Position& base);
   /** Counts from now on where things move. */
   void note_traffic() { traffic_.emplace(); }
   /** Null without note_traffic(). */

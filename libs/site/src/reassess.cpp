@@ -48,7 +48,7 @@ Frame empty_frame(
   return frame;
 }
 
-/** The square around the cells of a tile that have changed, and so many more on each side. */
+/** The square around the cells of a tile that have changed, and a margin on each side. */
 CellRect square_around(const TileKey& key, const std::vector<int>& changed, int margin)
 {
   int min_x = kTileCells, max_x = 0, min_y = kTileCells, max_y = 0;
@@ -80,9 +80,9 @@ std::vector<bool> affected(
   return are;
 }
 
-/** So many scans at most are asked for each guess, from all that were around it. */
+/** The maximum of scans that are asked for each guess, from all that were around it. */
 constexpr std::size_t kMaxAsked = 64;
-/** A ray that ends at most so far behind a guess, within so much of its height, proves it. A ditch
+/** A ray that ends close behind a guess, near its height, proves it. A ditch
  * is wider, and its far wall is hit lower. */
 constexpr float kProvenBehind_m = 0.5F, kProvenWithin_m = 0.05F;
 

@@ -10,7 +10,7 @@ namespace talus::site
 {
 /** Judges cells of a tile that have changed, and those around them whose judgement rests on them:
  * they get the fills and the traversability of a map that has measured what the site has.
- * `changed`: places in the tile. */
+ * `changed`: indices in the tile. */
 void reassess(
     Site& site, const Parameters& parameters, const TileKey& key, const std::vector<int>& changed);
 

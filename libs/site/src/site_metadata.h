@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-// What a file of a site tells besides its cells.
+// What a file of a site says besides its cells.
 namespace talus::site
 {
 using Ways = std::vector<std::vector<WayPoint>>;

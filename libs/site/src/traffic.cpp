@@ -24,8 +24,8 @@ namespace
 /// @{
 constexpr double kBeside_m = 0.5;
 constexpr int kPassesPerHitBeside = 1;
-/** So much of what stands near, and stood there before, has moved: a few cells of the front of a
- * parked car take nothing with them. */
+/** The share of what stands near, and stood there before, that has moved: a few cells of the front
+ * of a parked car take nothing with them. */
 constexpr double kMinMoved = 0.2;
 /// @}
 
@@ -121,7 +121,7 @@ class SameThing
   std::vector<const Column*> standing_;
   std::vector<bool> moved_;
   std::vector<bool> left_;  //!< what was there has moved, now or before
-  std::vector<HitScans> beside_;  //!< that hit what has moved near a place
+  std::vector<HitScans> beside_;  //!< that hit what has moved near a cell
   std::vector<Open> open_;
 };
 
@@ -135,7 +135,7 @@ void clear(SiteCell& s)
 /** Of a tile: what stands there and has moved. */
 struct Moved
 {
-  std::vector<int> places;  //!< in the tile, ascending
+  std::vector<int> cells;  //!< indices in the tile, ascending
   std::set<TileKey> beyond;  //!< tiles into which it goes on
 };
 
@@ -153,21 +153,21 @@ Moved moved_of(
       {
         const auto trail = trails.find(near);
         if (trail == trails.end()) return;
-        for (const auto& [place, when] : trail->second)
-          if (const auto at = around.place_of(near, place)) thing.begin(*at, when);
+        for (const auto& [cell, when] : trail->second)
+          if (const auto at = around.index_of(near, cell)) thing.begin(*at, when);
       });
   thing.go_on();
   Moved moved;
   for (const Column& c : columns)
   {
     if (!c.stands() || !thing.has_moved(c.at)) continue;
-    const auto [tile, place] = around.in_tile(c.at);
+    const auto [tile, index] = around.in_tile(c.at);
     if (!(tile == key))
       moved.beyond.insert(tile);
     else
     {
-      moved.places.push_back(place);
-      trails[key][place] |= c.when;
+      moved.cells.push_back(index);
+      trails[key][index] |= c.when;
     }
   }
   return moved;
@@ -181,11 +181,11 @@ void note_traffic(
   for (const Column& c : columns) around.put(c);
   for (const Column& c : columns)
   {
-    const auto [tile, place] = around.in_tile(c.at);
+    const auto [tile, index] = around.in_tile(c.at);
     if (!(tile == key) || c.recent.scans == 0) continue;
-    if (!std::binary_search(moved.begin(), moved.end(), place) && !around.sums_around(c.at).moved())
+    if (!std::binary_search(moved.begin(), moved.end(), index) && !around.sums_around(c.at).moved())
       continue;
-    TrafficCell& cell = traffic.cells[place];
+    TrafficCell& cell = traffic.cells[index];
     cell.times += c.recent.times;
     cell.scans += c.recent.scans;
   }
@@ -208,17 +208,17 @@ io::LayerStack layers_of(const Traffic& traffic, const std::vector<TileKey>& key
       min_y * kTileCells * cell_m, {"times", "scans"},   {}};
   const auto width = static_cast<std::size_t>(stack.cells_x);
   stack.layers.assign(2, std::vector<float>(width * static_cast<std::size_t>(stack.cells_y), NAN));
-  const auto put = [&](std::size_t layer, const TileKey& key, int place, float value)
+  const auto put = [&](std::size_t layer, const TileKey& key, int index, float value)
   {
-    const int x = (key.x - min_x) * kTileCells + place % kTileCells;
-    const int y = (key.y - min_y) * kTileCells + place / kTileCells;
+    const int x = (key.x - min_x) * kTileCells + index % kTileCells;
+    const int y = (key.y - min_y) * kTileCells + index / kTileCells;
     stack.layers[layer][static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] = value;
   };
   for (const TileKey& key : moved)
-    for (const auto& [place, cell] : traffic.at(key).cells)
+    for (const auto& [index, cell] : traffic.at(key).cells)
     {
-      put(0, key, place, static_cast<float>(cell.times));
-      put(1, key, place, static_cast<float>(cell.scans));
+      put(0, key, index, static_cast<float>(cell.times));
+      put(1, key, index, static_cast<float>(cell.scans));
     }
   return stack;
 }
@@ -245,18 +245,18 @@ std::set<TileKey> clear_traffic(
   const Moved moved = moved_of(key, columns, around, site.resolution_m, trails);
   if (noted)
   {
-    note_traffic(key, columns, around, moved.places, *noted);
+    note_traffic(key, columns, around, moved.cells, *noted);
     noted->until_s = scans.back()->stamp_s();
   }
-  if (moved.places.empty()) return {};
+  if (moved.cells.empty()) return {};
   Tile& tile = site.tiles.at(key);
-  for (const int at : moved.places) clear(tile.cells[static_cast<std::size_t>(at)]);
+  for (const int at : moved.cells) clear(tile.cells[static_cast<std::size_t>(at)]);
   if (site.channel_tiles.has(key))
   {
     ChannelTile& values = site.channel_tiles.at(key);
-    for (const int at : moved.places) forget_standing(values.cells[static_cast<std::size_t>(at)]);
+    for (const int at : moved.cells) forget_standing(values.cells[static_cast<std::size_t>(at)]);
   }
-  reassess(site, parameters, key, moved.places);
+  reassess(site, parameters, key, moved.cells);
   return moved.beyond;
 }
 

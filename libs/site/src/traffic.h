@@ -12,7 +12,7 @@
 
 namespace talus::site
 {
-/** Which scans hit what was cleared, in the tiles near the robot, by the place in a tile. */
+/** Which scans hit what was cleared, in the tiles near the robot, by the index in a tile. */
 using Trails = std::map<TileKey, std::map<int, HitScans>>;
 
 /** Clears what moved from a tile. Of the scans around a cell, some hit what stands there, and

@@ -97,7 +97,7 @@ void write_file(const std::string& path, std::string_view bytes);
 /** Throws std::runtime_error where a folder, a device or a pipe has the name of a new file. */
 void require_replaceable(const std::string& path);
 
-/** Checks that a gz or zstd file that was just written is whole: MRPT's streams do not tell when
+/** Checks that a gz or zstd file that was just written is whole: MRPT's streams do not report when
  * their last bytes do not reach the disk. Call it after close() and before the file gets its name.
  * `name` is what messages call it, empty: `path`. Throws std::runtime_error that names it and asks
  * whether the disk is full. */

@@ -16,7 +16,7 @@ struct TrafficCell
   int scans = 0;
 };
 
-/** The cells of a tile where things moved, by their place in it. */
+/** The cells of a tile where things moved, by their index in it. */
 struct TrafficTile
 {
   /** Those where nothing moved are not there. */
@@ -29,9 +29,9 @@ struct TrafficTile
 using Traffic = std::map<TileKey, TrafficTile>;
 
 /** Writes the bands `times` and `scans` as GeoTIFFs, whole or not at all, which are called as the
- * files of write_site_files(): "DIR/traffic.tif", DIR/traffic_floor_1.tif and so on. A file is as large as the tiles where things moved, and NaN
- * where nothing moved. Where nothing moved on a floor or an island, it has no file. Throws
- * std::runtime_error that names the file. */
+ * files of write_site_files(): "DIR/traffic.tif", DIR/traffic_floor_1.tif and so on. A file is as
+ * large as the tiles where things moved, and NaN where nothing moved. Where nothing moved on a
+ * floor or an island, it has no file. Throws std::runtime_error that names the file. */
 void write_traffic_files(
     const std::string& path, const Traffic& traffic, Site& site, Far far = Far::Apart);
 
