@@ -59,9 +59,7 @@ void add_files(CLI::App& app, Options& o)
       ->check(app::not_empty());
   app::add_formats(app, "--to", o.exports, "Formats, with commas between them: see below")
       ->required();
-  app.add_option("--output", o.output, "Folder of the files (default: that of the map)")
-      ->check(app::not_empty())
-      ->type_name("DIR");
+  app::add_text(app, "--output", o.output, "DIR", "Folder of the files (default: that of the map)");
 }
 
 void add_settings(CLI::App& app, Options& o)
@@ -73,22 +71,15 @@ void add_settings(CLI::App& app, Options& o)
       ->transform(CLI::CheckedTransformer(modes))
       ->default_str("trinary")
       ->type_name("trinary|scale");
-  app.add_option(
-         "--blocked-at", o.exports.occupancy.blocked_at,
-         "Cells of this traversability or less are occupied")
-      ->check(app::between(0.0, 1.0))
-      ->capture_default_str()
-      ->type_name("T");
-  app.add_option(
-         "--close-islands", o.exports.occupancy.close_islands_m,
-         "ros, occupancy: free islands smaller than this, the robot, are closed [m]; 0: none")
-      ->check(app::between(0.0, 100.0))
-      ->capture_default_str()
-      ->type_name("M");
-  app.add_option("--clearance", o.exports.clearance_m, "octomap: free height above bare ground [m]")
-      ->check(app::between(0.0, 100.0))
-      ->capture_default_str()
-      ->type_name("M");
+  app::add_number(
+      app, "--blocked-at", o.exports.occupancy.blocked_at, 0.0, 1.0, "T",
+      "Cells of this traversability or less are occupied");
+  app::add_number(
+      app, "--close-islands", o.exports.occupancy.close_islands_m, 0.0, 100.0, "M",
+      "ros, occupancy: free islands smaller than this, the robot, are closed [m]; 0: none");
+  app::add_number(
+      app, "--clearance", o.exports.clearance_m, 0.0, 100.0, "M",
+      "octomap: free height above bare ground [m]");
   app.add_option_function<std::vector<double>>(
          "--origin",
          [&o](const std::vector<double>& at) {
@@ -98,24 +89,18 @@ void add_settings(CLI::App& app, Options& o)
       ->expected(3)
       ->delimiter(',')
       ->type_name("X,Y,Z");
-  app.add_option(
-         "--max-faces", o.exports.max_faces, "ply: cells are joined until the mesh has no more")
-      ->check(CLI::Range(1000, 1'000'000'000))
-      ->capture_default_str()
-      ->type_name("N");
-  app.add_option(
-         "--max-mb", o.exports.max_mb, "html: cells are joined until the page is smaller [MB]")
-      ->check(CLI::Range(1, 2000))
-      ->capture_default_str()
-      ->type_name("MB");
-  app.add_option(
-         "--changes", o.exports.changes, "html: changes.tif of talus-merge, to show over the map")
-      ->check(app::not_empty())
-      ->type_name("FILE");
-  app.add_option(
-         "--title", o.title, "html: title of the page (default: folder and name of the map)")
-      ->check(app::not_empty())
-      ->type_name("TEXT");
+  app::add_number(
+      app, "--max-faces", o.exports.max_faces, 1000, 1'000'000'000, "N",
+      "ply: cells are joined until the mesh has no more");
+  app::add_number(
+      app, "--max-mb", o.exports.max_mb, 1, 2000, "MB",
+      "html: cells are joined until the page is smaller [MB]");
+  app::add_text(
+      app, "--changes", o.exports.changes, "FILE",
+      "html: changes.tif of talus-merge, to show over the map");
+  app::add_text(
+      app, "--title", o.title, "TEXT",
+      "html: title of the page (default: folder and name of the map)");
   app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
 }
 

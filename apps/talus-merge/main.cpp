@@ -99,21 +99,14 @@ void add_options(CLI::App& app, Options& o)
   app.add_flag(
       "--align", o.align,
       "Bring all maps into the frame of the first (x, y, z, yaw), where the ground determines it");
-  app.add_option("--picture", o.picture, "Also draw the map of all, a PNG")
-      ->check(app::not_empty())
-      ->type_name("FILE");
-  app.add_option("--step", o.merge.step_m, "Heights farther apart contradict each other [m]")
-      ->check(app::between(0.0, 100.0))
-      ->capture_default_str()
-      ->type_name("M");
-  app.add_option("--threads", o.merge.threads, "0: all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str()
-      ->type_name("N");
-  app.add_option("--memory", o.memory_mb, "For tiles of the map [MB]; the others wait on the disk")
-      ->check(CLI::Range(16, 1'000'000))
-      ->capture_default_str()
-      ->type_name("MB");
+  app::add_text(app, "--picture", o.picture, "FILE", "Also draw the map of all, a PNG");
+  app::add_number(
+      app, "--step", o.merge.step_m, 0.0, 100.0, "M",
+      "Heights farther apart contradict each other [m]");
+  app::add_number(app, "--threads", o.merge.threads, 0, 1024, "N", "0: all cores");
+  app::add_number(
+      app, "--memory", o.memory_mb, 16, 1'000'000, "MB",
+      "For tiles of the map [MB]; the others wait on the disk");
   app.add_flag(
       "--keep-far", o.keep_far,
       "Write one file, however far its parts lie from each other: takes long (default: "
