@@ -11,7 +11,6 @@
 #include "label_files.h"
 #include "log_mapper.h"
 #include "rawlog_out.h"
-#include "report.h"
 #include "job.h"
 
 #include <talus/io/map_picture.h>

@@ -1,4 +1,4 @@
-#include "settings.h"
+#include "job.h"
 
 #include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>

@@ -1,7 +1,5 @@
 #include "hindsight.h"
 
-#include "reassess.h"
-#include "traffic.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "reassess.h"
+#include "hindsight.h"
 
 #include "kept_cell.h"
 #include "strips.h"

@@ -1,9 +1,8 @@
-#include "traffic.h"
+#include "hindsight.h"
 
 #include "known_cells.h"
 #include "kept_cell.h"
 #include "surroundings.h"
-#include "reassess.h"
 
 #include <talus/site/traffic_map.h>
 #include <talus/io/geotiff.h>
