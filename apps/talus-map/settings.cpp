@@ -1,4 +1,4 @@
-#include "job.h"
+#include "settings.h"
 
 #include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
