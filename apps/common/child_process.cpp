@@ -5,6 +5,7 @@
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -28,6 +29,34 @@ void on_signal(int signal)
 {
   asked_to_stop = signal;
   if (running_child > 0) ::kill(static_cast<pid_t>(running_child), SIGKILL);
+}
+
+/** What a process and its children see both. */
+struct Note
+{
+  char file[4096], advice[256];  // paths are no longer
+};
+
+/** Of zeros. */
+Note* new_note()
+{
+  void* const page =
+      ::mmap(nullptr, sizeof(Note), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (page == MAP_FAILED) throw std::bad_alloc();
+  return static_cast<Note*>(page);
+}
+
+Note*& shared_note()
+{
+  static Note* note = new_note();
+  return note;
+}
+
+void write(const CrashContext::Named& named)
+{
+  Note& note = *shared_note();
+  std::snprintf(note.advice, sizeof note.advice, "%s", named.advice.c_str());
+  std::snprintf(note.file, sizeof note.file, "%s", named.file.c_str());
 }
 }  // namespace
 
@@ -83,12 +112,12 @@ ChildEnd run_in_child(const std::function<int()>& work)
 
 int run_command_in_child(
     const std::string& file, const std::string& advice, const std::function<int()>& work,
-    const std::function<void(const std::string&)>& tell)
+    const std::function<void(const std::string&)>& report)
 {
-  const ChildEnd end = run_in_child([&] { return code_of(work, tell, file, advice); });
+  const ChildEnd end = run_in_child([&] { return code_of(work, report, file, advice); });
   if (stop_signal())
   {
-    tell("stopped; nothing was written");
+    report("stopped; nothing was written");
     return 128 + stop_signal();
   }
   if (end.signal) throw std::runtime_error(crash_text(file, end.signal));
@@ -125,6 +154,44 @@ std::string crash_text(const std::string& log, int signal)
     return blamed.file + ": was killed, perhaps for want of memory; it gives no results";
   return blamed.file + ": crashed the program (" + signal_text(signal) +
          "); it gives no results. " + blamed.advice;
+}
+
+CrashContext::CrashContext(const std::string& file, const std::string& advice) : before_(newest())
+{
+  write({file, advice});
+}
+
+CrashContext::~CrashContext() { write(before_); }
+
+CrashContext::Named CrashContext::newest() { return {shared_note()->file, shared_note()->advice}; }
+
+void CrashContext::begin_anew()
+{
+  Note* const fresh = new_note();
+  ::munmap(shared_note(), sizeof(Note));
+  shared_note() = fresh;
+}
+
+std::string failure_text(
+    const std::exception& e, const std::string& file, const std::string& advice)
+{
+  if (!dynamic_cast<const std::bad_alloc*>(&e)) return e.what();
+  return file + ": needs more memory than there is. " + advice;
+}
+
+int code_of(
+    const std::function<int()>& work, const std::function<void(const std::string&)>& report,
+    const std::string& file, const std::string& advice)
+{
+  try
+  {
+    return work();
+  }
+  catch (const std::exception& e)
+  {
+    report(failure_text(e, file, advice));
+    return 1;
+  }
 }
 
 }  // namespace talus::app

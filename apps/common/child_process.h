@@ -22,11 +22,11 @@ ChildEnd wait_for_child(int child);
 ChildEnd run_in_child(const std::function<int()>& work);
 
 /** The same for all that a command does with `file`. Its exit code: 1 where `work` throws, of which
- * failure_text() with `advice` is told; where a signal asked to stop, 128 + its number, once `tell`
- * was told so. Throws std::runtime_error, crash_text() of `file`, where it crashed. */
+ * failure_text() with `advice` is reported; where a signal asked to stop, 128 + its number, which
+ * is reported, too. Throws std::runtime_error, crash_text() of `file`, where it crashed. */
 int run_command_in_child(
     const std::string& file, const std::string& advice, const std::function<int()>& work,
-    const std::function<void(const std::string&)>& tell);
+    const std::function<void(const std::string&)>& report);
 
 /** From now on SIGINT, SIGTERM and SIGHUP end the running child instead of this process; and a
  * limit on the size of files, or nobody who reads what is printed, is an error of write(). So no
@@ -39,7 +39,7 @@ int stop_signal();
 /** E.g. "signal 11, Segmentation fault". */
 std::string signal_text(int signal);
 
-/** What to tell of a child that was ended by a signal: which file it is put down to (see
+/** The error message of a child that was ended by a signal: which file it is put down to (see
  * CrashContext; else to `log`), and what to do. */
 std::string crash_text(const std::string& log, int signal);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 namespace talus::app
 {
@@ -43,6 +44,27 @@ CLI::Validator whole_of_64_bits();
 /** A shell puts nothing in the place of a variable that is not set: that would count as not given.
  */
 CLI::Validator not_empty();
+
+/** Adds an option that takes a text, which may not be empty. */
+inline CLI::Option* add_text(
+    CLI::App& app, const std::string& name, std::string& value, const std::string& type,
+    const std::string& help)
+{
+  return app.add_option(name, value, help)->check(not_empty())->type_name(type);
+}
+
+/** Adds an option that takes a number from `low` to `high`; the help shows its default. */
+template <typename T, typename Limit>
+CLI::Option* add_number(
+    CLI::App& app, const std::string& name, T& value, Limit low, Limit high,
+    const std::string& type, const std::string& help)
+{
+  const bool is_whole = std::is_integral_v<T>;
+  return app.add_option(name, value, help)
+      ->check(is_whole ? CLI::Validator(CLI::Range(low, high)) : between(low, high))
+      ->capture_default_str()
+      ->type_name(type);
+}
 
 /** Adds an option that takes a mounting; empty while it is not given. */
 CLI::Option* add_mounting(

@@ -43,16 +43,16 @@ constexpr const char* kLookAtLog =
 /** More than any file needs. */
 constexpr std::size_t kMaxMemory_bytes = std::size_t{2} << 30;
 
-/** Does what a wrong file may lead astray: with at most so much more memory than now, and so that a
- * crash and want of memory are put down to that file. Throws std::runtime_error for want of memory,
- * and what `work` throws. */
+/** Does what a wrong file may lead astray: with no more than `max_bytes` of memory beyond what it
+ * has, and so that a crash and want of memory are put down to that file. Throws std::runtime_error
+ * for want of memory, and what `work` throws. */
 template <class F>
 auto guarded(
     const std::string& file, const std::string& advice, const F& work,
-    std::size_t most_bytes = kMaxMemory_bytes)
+    std::size_t max_bytes = kMaxMemory_bytes)
 {
   const CrashContext context(file, advice);
-  const MemoryLimit limit(most_bytes);
+  const MemoryLimit limit(max_bytes);
   try
   {
     return work();
@@ -64,14 +64,14 @@ auto guarded(
   }
 }
 
-/** What to tell of an exception. One for want of memory says nothing of its own: it is put down to
+/** The message of an exception. One for want of memory says nothing of its own: it is put down to
  * `file`, with `advice`. */
 std::string failure_text(
     const std::exception& e, const std::string& file, const std::string& advice);
 
-/** What `work` returns; 1 where it throws, of which failure_text() is told. */
+/** What `work` returns; 1 where it throws, of which failure_text() is reported. */
 int code_of(
-    const std::function<int()>& work, const std::function<void(const std::string&)>& tell,
+    const std::function<int()>& work, const std::function<void(const std::string&)>& report,
     const std::string& file, const std::string& advice);
 
 }  // namespace talus::app

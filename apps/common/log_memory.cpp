@@ -27,10 +27,10 @@ std::uint64_t processes = 1;
 
 std::size_t memory_for_log(const std::string& path)
 {
-  const std::uint64_t most = std::max(kMaxLog_bytes / processes, kMinLogShare_bytes);
+  const std::uint64_t max = std::max(kMaxLog_bytes / processes, kMinLogShare_bytes);
   const std::uint64_t more = std::max(kMaxExtra_bytes / processes, kMinExtraShare_bytes);
   const std::uint64_t bytes = std::min(io::bytes_of_log(path), kMaxLog_bytes);
-  return kIsSanitized ? kMaxLog_bytes : std::min(most, more + kHeldByAByte * bytes);
+  return kIsSanitized ? kMaxLog_bytes : std::min(max, more + kHeldByAByte * bytes);
 }
 
 void share_log_memory(std::size_t at_once) { processes = std::max<std::uint64_t>(at_once, 1); }

@@ -5,9 +5,9 @@
 
 namespace talus::app
 {
-/** While it lives, this process gets at most so much memory more than it has: a log may be damaged
- * where it says how much follows, and its reader asks for that much. Then std::bad_alloc is thrown.
- * Of the whole process: not for two threads at once. */
+/** While it lives, this process gets no more than `more_bytes` of memory beyond what it has: a log
+ * may be damaged where it says how much follows, and its reader asks for that much. Then
+ * std::bad_alloc is thrown. Of the whole process: not for two threads at once. */
 class MemoryLimit
 {
  public:
@@ -31,7 +31,8 @@ void keep_memory();
  * are shared by the processes that share_log_memory() named. */
 std::size_t memory_for_log(const std::string& path);
 
-/** From now on so many processes read logs at once: this one and its children get a part each. */
+/** From now on this number of processes read logs at once: this one and its children get a part
+ * each. */
 void share_log_memory(std::size_t processes);
 
 }  // namespace talus::app

@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <iostream>
 #include <regex>
 #include <stdexcept>
 #include <system_error>
@@ -19,32 +18,24 @@ namespace talus::app
 {
 namespace
 {
-using io::FolderLock;
-
 constexpr const char* kRunPrefix = ".talus-run.";  // of hidden folders of results
 constexpr const char* kSiteStem = "(site|traffic)(_floor_[0-9]+)?(_island_[0-9]+)?";
-// In the hidden folder:
-constexpr const char* kSeal = ".talus-seal";  // folder; the seal is in it once all is complete
-constexpr const char* kToClear = ".talus-to-clear";  // until what would mislead has been removed
-constexpr const char* kExports =
-    "exports";  // in it, where a site map is replaced: also those of it
 
 bool matches(const fs::path& name, const std::regex& pattern)
 {
   return std::regex_match(name.string(), pattern);
 }
 
-/** Everything below a folder but folders and what a run keeps for itself (".talus-..."), relative
- * to it. */
+/** The results in a hidden folder, relative to it, without what a run keeps for itself there
+ * (".talus-..."). */
 std::vector<fs::path> files_below(const fs::path& folder)
 {
   std::vector<fs::path> files;
-  std::error_code gone;
-  for (auto it = fs::recursive_directory_iterator(folder, gone);
-       it != fs::recursive_directory_iterator(); ++it)
+  for (auto it = fs::recursive_directory_iterator(folder); it != fs::recursive_directory_iterator();
+       ++it)
     if (it->path().filename().string().rfind(".talus-", 0) == 0)
       it.disable_recursion_pending();
-    else if (std::error_code no_folder; !it->is_directory(no_folder))
+    else if (!it->is_directory())
       files.push_back(it->path().lexically_relative(folder));
   return files;
 }
@@ -60,60 +51,42 @@ bool is_part(const fs::path& name, const fs::path& sealed)
          std::regex_match(whole.substr(stem.size()), number);
 }
 
-/** Removes the seal, and what of a run before would be taken for a part of these results. */
-void clear(const fs::path& hidden, const std::string& seal)
+/** What of a run before would be taken for a part of the results. */
+std::vector<fs::path> outdated(const fs::path& hidden, const fs::path& seal)
 {
   const fs::path folder = hidden.parent_path(), snapshots = "frames";
   const bool has_site = fs::exists(hidden / "site.tif"), has_labels = seal == kLabelTable;
-  const bool has_exports = has_site && fs::exists(hidden / kToClear / kExports);
-  std::vector<fs::path> old{folder / seal};
+  const bool replaces_site = has_site && fs::exists(folder / "site.tif");
+  std::vector<fs::path> old;
   std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder))
+  const auto add = [&](const fs::path& in, const auto& is_old)
   {
-    const fs::path name = entry.path().filename();
-    const bool is_label = name.extension() == ".label" || name == kLabelledLog;
-    if (((has_site && is_site_file(name)) || (has_labels && is_label) || is_part(name, seal) ||
-         (has_exports && is_export(name) && name.extension() != ".qml")) &&
-        entry.is_regular_file(none))
-      old.push_back(entry.path());
-  }
-  const std::regex snapshot("frame_[0-9]{6,}\\.(tif|png)");
-  if (fs::exists(hidden / snapshots))
-    for (const auto& entry : fs::directory_iterator(folder / snapshots, none))
-      if (matches(entry.path().filename(), snapshot) && entry.is_regular_file(none))
+    for (const auto& entry : fs::directory_iterator(in, none))
+      if (is_old(entry.path().filename()) && entry.is_regular_file(none))
         old.push_back(entry.path());
-  for (const auto& file : old) fs::remove(file);
+  };
+  add(folder,
+      [&](const fs::path& name)
+      {
+        const bool is_label = name.extension() == ".label" || name == kLabelledLog;
+        return (has_site && is_site_file(name)) || (has_labels && is_label) ||
+               is_part(name, seal) ||
+               (replaces_site && is_export(name) && name.extension() != ".qml");
+      });
+  static const std::regex snapshot("frame_[0-9]{6,}\\.(tif|png)");
+  if (fs::exists(hidden / snapshots))
+    add(folder / snapshots, [](const fs::path& name) { return matches(name, snapshot); });
+  return old;
 }
 
-/** Makes room for the results, which are complete then. Throws before anything else is changed. */
-void seal_results(const fs::path& hidden, const std::string& seal)
+/** Throws before anything is changed. */
+void make_room_for(const fs::path& file)
 {
-  for (const auto& file : files_below(hidden))
-  {
-    const fs::path to = hidden.parent_path() / file;
-    io::require_replaceable(to.string());
-    fs::create_directories(to.parent_path());
-    if (::access(to.parent_path().c_str(), W_OK) != 0)
-      throw std::runtime_error(
-          to.string() + ": cannot be written: " + std::generic_category().message(errno));
-  }
-  fs::create_directory(hidden / kToClear);
-  if (fs::exists(hidden.parent_path() / "site.tif"))
-    fs::create_directory(hidden / kToClear / kExports);
-  fs::create_directory(hidden / kSeal);
-  fs::rename(hidden / seal, hidden / kSeal / seal);
-}
-
-/** Moves results that are complete to their place; goes on where another process was killed. */
-void place(const fs::path& hidden)
-{
-  const fs::path folder = hidden.parent_path();
-  const auto seals = files_below(hidden / kSeal);
-  if (seals.empty()) return;  // it was killed when all was in place
-  if (fs::exists(hidden / kToClear)) clear(hidden, seals.front());
-  fs::remove_all(hidden / kToClear);
-  for (const auto& file : files_below(hidden)) fs::rename(hidden / file, folder / file);
-  fs::rename(hidden / kSeal / seals.front(), folder / seals.front());
+  io::require_replaceable(file.string());
+  fs::create_directories(file.parent_path());
+  if (::access(file.parent_path().c_str(), W_OK) != 0)
+    throw std::runtime_error(
+        file.string() + ": cannot be written: " + std::generic_category().message(errno));
 }
 }  // namespace
 
@@ -126,8 +99,10 @@ OutputFolder::OutputFolder(const std::string& folder, const std::string& option)
   try
   {
     fs::create_directories(folder_);
-    const FolderLock lock(folder_, FolderLock::IfTaken::Wait);
-    sweep();
+    if (io::HiddenFolder::remove_abandoned(folder_, kRunPrefix) +
+            io::HiddenFolder::remove_abandoned(folder_, io::kFilePrefix) >
+        0)
+      print_error("warning: " + name_ + ": removed what a run that was killed had left there");
     hidden_ = std::make_unique<io::HiddenFolder>(folder_, kRunPrefix);
   }
   catch (const std::system_error& e)
@@ -153,29 +128,7 @@ void OutputFolder::remove_made_folders() noexcept
   for (const fs::path& folder : made_) fs::remove(folder, has_files);
 }
 
-/** Ends what runs that were killed have left. Needs the lock of the folder. */
-void OutputFolder::sweep() const
-{
-  const auto warn = [this](const std::string& what) {
-    std::cerr << ::program_invocation_short_name << ": warning: " << name_ << ": " << what << "\n";
-  };
-  std::size_t removed = io::HiddenFolder::remove_abandoned(folder_, io::kFilePrefix);
-  for (const auto& hidden : io::HiddenFolder::all_in(folder_, kRunPrefix))
-  {
-    const FolderLock lock(hidden, FolderLock::IfTaken::GiveUp);
-    if (!lock.is_held()) continue;
-    const bool is_complete = !files_below(hidden / kSeal).empty();
-    place(hidden);
-    if (is_complete)
-      warn("a run was killed while its results were put there; they are complete now");
-    else
-      ++removed;
-    fs::remove_all(hidden);
-  }
-  if (removed > 0) warn("removed what a run that was killed had left there");
-}
-
-std::string OutputFolder::told(std::string error) const
+std::string OutputFolder::shown(std::string error) const
 {
   const std::string hidden = staging();
   for (auto at = error.find(hidden); at != std::string::npos;
@@ -186,16 +139,24 @@ std::string OutputFolder::told(std::string error) const
 
 void OutputFolder::commit(const std::string& seal)
 {
-  const FolderLock lock(folder_, FolderLock::IfTaken::Wait);
+  const io::FolderLock lock(folder_, io::FolderLock::IfTaken::Wait);  // one run after the other
+  const fs::path hidden = hidden_->path();
   try
   {
-    sweep();
-    seal_results(hidden_->path(), seal);
-    place(hidden_->path());
+    if (!fs::exists(hidden / seal))
+      throw std::runtime_error((hidden / seal).string() + ": was not written");
+    const std::vector<fs::path> files = files_below(hidden);
+    for (const fs::path& file : files) make_room_for(folder_ / file);
+    const std::vector<fs::path> old = outdated(hidden, seal);
+    fs::remove(folder_ / seal);
+    for (const fs::path& file : old) fs::remove(file);
+    for (const fs::path& file : files)
+      if (file != seal) fs::rename(hidden / file, folder_ / file);
+    fs::rename(hidden / seal, folder_ / seal);
   }
   catch (const std::exception& e)
   {
-    throw std::runtime_error(told(e.what()));
+    throw std::runtime_error(shown(e.what()));
   }
 }
 
@@ -254,8 +215,8 @@ int make_results(
     make(output.staging());
     return 0;
   };
-  const auto tell = [&](const std::string& text) { print_error(output.told(text)); };
-  const int code = run_command_in_child(input, advice, work, tell);
+  const auto report = [&](const std::string& text) { print_error(output.shown(text)); };
+  const int code = run_command_in_child(input, advice, work, report);
   if (code == 0) output.commit(seal);
   return code;
 }

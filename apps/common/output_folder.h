@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/io/hidden_folder.h>
+#include <talus/io/atomic_file.h>
 
 #include <filesystem>
 #include <functional>
@@ -11,10 +11,8 @@ namespace talus::app
 {
 /** A folder whose new files appear together at the end, or not at all: they are written into a
  * hidden folder inside of it and moved by commit(). Until then, and when anything fails, what was
- * there before stays as it is; folders that were made for nothing are removed.
- *
- * A run may be killed at any moment. What it leaves is ended by the next one, which says so on
- * stderr: results that were complete are put in place, others are removed. */
+ * there before stays as it is; folders that were made for nothing are removed. The next run removes
+ * the hidden folder of one that was killed, and says so on stderr. */
 class OutputFolder
 {
  public:
@@ -29,17 +27,16 @@ class OutputFolder
   std::string staging() const { return hidden_->path().string(); }
 
   /** What an error says of a file in staging(), by the name that the user knows. */
-  std::string told(std::string error) const;
+  std::string shown(std::string error) const;
 
   /** Moves everything out of staging(); files of the same name are replaced, and what would be
    * taken for a part of the results, such as snapshots, floors and exports of a run before, is
    * removed. `seal` is the file that says that the results are complete: it vanishes first and
-   * appears last. Throws std::runtime_error; before anything has changed where results cannot be
-   * replaced. */
+   * appears last, so that a run that is killed meanwhile leaves none. Throws std::runtime_error;
+   * before anything has changed where results cannot be replaced. */
   void commit(const std::string& seal);
 
  private:
-  void sweep() const;
   void remove_made_folders() noexcept;
 
   std::string name_;  //!< of the folder, as given

@@ -11,7 +11,7 @@ namespace talus::app
 {
 /** main() of a command: reads the command line, to which `add` adds description, options and footer
  * (parse_command_line()), and does `body` with signals forwarded to its children. What `body`
- * throws is told, and 1 the exit code. */
+ * throws is printed, and 1 the exit code. */
 int run_app(
     const std::string& name, int argc, char** argv, const std::function<void(CLI::App&)>& add,
     const std::function<int()>& body);

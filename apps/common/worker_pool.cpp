@@ -12,6 +12,8 @@
 #include <csignal>
 #include <cstring>
 #include <map>
+#include <new>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <vector>
@@ -61,17 +63,33 @@ struct Worker
   }
 };
 
+/** How far each job is, which its process writes and this one reads. */
+double* shared_fractions(std::size_t count)
+{
+  void* const all = ::mmap(
+      nullptr, count * sizeof(double), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (all == MAP_FAILED) throw std::bad_alloc();
+  return static_cast<double*>(all);
+}
+
 class Pool
 {
  public:
   explicit Pool(const WorkPlan& plan)
-      : plan_(plan), progress_(plan.at_once), bars_(plan.shows_progress), seats_(plan.at_once)
+      : plan_(plan),
+        fractions_(shared_fractions(plan.jobs)),
+        bar_(std::to_string(plan.jobs) + " logs", plan.shows_progress),
+        seats_(plan.at_once)
   {
   }
+  ~Pool() { ::munmap(fractions_, plan_.jobs * sizeof(double)); }
+  Pool(const Pool&) = delete;
+  Pool& operator=(const Pool&) = delete;
 
   void run()
   {
     constexpr int kMoment_us = 20000;
+    const auto count = static_cast<double>(plan_.jobs);
     do
     {
       if (stop_signal())
@@ -82,11 +100,13 @@ class Pool
         if (seats_[seat] && seats_[seat]->has_ended()) end(seat);
         if (!seats_[seat] && next_ < plan_.jobs && stop_signal() == 0) begin(seat);
       }
-      tell_ended();
-      bars_.show(progress_.shown());
+      report_ended();
+      bar_.show(
+          std::accumulate(fractions_, fractions_ + plan_.jobs, 0.0) / count,
+          std::to_string(reported_) + " done");
       ::usleep(kMoment_us);
     } while (std::any_of(seats_.begin(), seats_.end(), [](const auto& w) { return bool(w); }));
-    tell_ended();
+    report_ended();
   }
 
  private:
@@ -99,7 +119,7 @@ class Pool
           CrashContext::begin_anew();
           ::dup2(worker.out.file(), STDOUT_FILENO);
           ::dup2(worker.err.file(), STDERR_FILENO);
-          ProgressBar::send_to(progress_.at(seat));
+          ProgressBar::send_to(&fractions_[worker.job]);
           return plan_.work(worker.job, seat);
         });
   }
@@ -108,25 +128,25 @@ class Pool
   {
     const Worker& worker = *seats_[seat];
     ended_[worker.job] = {wait_for_child(worker.pid), worker.out.text(), worker.err.text()};
-    *progress_.at(seat) = '\0';
+    fractions_[worker.job] = 1;
     seats_[seat].reset();
   }
 
-  void tell_ended()
+  void report_ended()
   {
     // Those that a signal kept from beginning have no end.
-    for (auto it = ended_.find(told_); it != ended_.end(); it = ended_.find(++told_))
+    for (auto it = ended_.find(reported_); it != ended_.end(); it = ended_.find(++reported_))
     {
-      bars_.remove();
+      bar_.remove();
       plan_.ended(it->first, it->second);
       ended_.erase(it);
     }
   }
 
   const WorkPlan& plan_;
-  SharedLines progress_;
-  ProgressLines bars_;
-  std::size_t next_ = 0, told_ = 0;
+  double* fractions_;
+  ProgressBar bar_;
+  std::size_t next_ = 0, reported_ = 0;
   std::vector<std::optional<Worker>> seats_;
   std::map<std::size_t, WorkerEnd> ended_;
 };

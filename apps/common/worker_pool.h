@@ -23,7 +23,7 @@ struct WorkPlan
   std::function<int(std::size_t job, std::size_t seat)> work;
   /** In this process and in the order of the jobs, whichever ends first. */
   std::function<void(std::size_t job, const WorkerEnd&)> ended;
-  bool shows_progress = false;  //!< a line a job that runs, where stderr is a terminal
+  bool shows_progress = false;  //!< a line for all, where stderr is a terminal
 };
 
 /** Runs them. After stop_signal() the jobs that run get that signal, and no other begins. Throws

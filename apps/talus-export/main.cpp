@@ -59,9 +59,7 @@ void add_files(CLI::App& app, Options& o)
       ->check(app::not_empty());
   app::add_formats(app, "--to", o.exports, "Formats, with commas between them: see below")
       ->required();
-  app.add_option("--output", o.output, "Folder of the files (default: that of the map)")
-      ->check(app::not_empty())
-      ->type_name("DIR");
+  app::add_text(app, "--output", o.output, "DIR", "Folder of the files (default: that of the map)");
 }
 
 void add_settings(CLI::App& app, Options& o)
@@ -73,22 +71,15 @@ void add_settings(CLI::App& app, Options& o)
       ->transform(CLI::CheckedTransformer(modes))
       ->default_str("trinary")
       ->type_name("trinary|scale");
-  app.add_option(
-         "--blocked-at", o.exports.occupancy.blocked_at,
-         "Cells of this traversability or less are occupied")
-      ->check(app::between(0.0, 1.0))
-      ->capture_default_str()
-      ->type_name("T");
-  app.add_option(
-         "--close-islands", o.exports.occupancy.close_islands_m,
-         "ros, occupancy: free islands smaller than this, the robot, are closed [m]; 0: none")
-      ->check(app::between(0.0, 100.0))
-      ->capture_default_str()
-      ->type_name("M");
-  app.add_option("--clearance", o.exports.clearance_m, "octomap: free height above bare ground [m]")
-      ->check(app::between(0.0, 100.0))
-      ->capture_default_str()
-      ->type_name("M");
+  app::add_number(
+      app, "--blocked-at", o.exports.occupancy.blocked_at, 0.0, 1.0, "T",
+      "Cells of this traversability or less are occupied");
+  app::add_number(
+      app, "--close-islands", o.exports.occupancy.close_islands_m, 0.0, 100.0, "M",
+      "ros, occupancy: free islands smaller than this, the robot, are closed [m]; 0: none");
+  app::add_number(
+      app, "--clearance", o.exports.clearance_m, 0.0, 100.0, "M",
+      "octomap: free height above bare ground [m]");
   app.add_option_function<std::vector<double>>(
          "--origin",
          [&o](const std::vector<double>& at) {
@@ -98,28 +89,22 @@ void add_settings(CLI::App& app, Options& o)
       ->expected(3)
       ->delimiter(',')
       ->type_name("X,Y,Z");
-  app.add_option(
-         "--max-faces", o.exports.max_faces, "ply: cells are joined until the mesh has no more")
-      ->check(CLI::Range(1000, 1'000'000'000))
-      ->capture_default_str()
-      ->type_name("N");
-  app.add_option(
-         "--max-mb", o.exports.max_mb, "html: cells are joined until the page is smaller [MB]")
-      ->check(CLI::Range(1, 2000))
-      ->capture_default_str()
-      ->type_name("MB");
-  app.add_option(
-         "--changes", o.exports.changes, "html: changes.tif of talus-merge, to show over the map")
-      ->check(app::not_empty())
-      ->type_name("FILE");
-  app.add_option(
-         "--title", o.title, "html: title of the page (default: folder and name of the map)")
-      ->check(app::not_empty())
-      ->type_name("TEXT");
+  app::add_number(
+      app, "--max-faces", o.exports.max_faces, 1000, 1'000'000'000, "N",
+      "ply: cells are joined until the mesh has no more");
+  app::add_number(
+      app, "--max-mb", o.exports.max_mb, 1, 2000, "MB",
+      "html: cells are joined until the page is smaller [MB]");
+  app::add_text(
+      app, "--changes", o.exports.changes, "FILE",
+      "html: changes.tif of talus-merge, to show over the map");
+  app::add_text(
+      app, "--title", o.title, "TEXT",
+      "html: title of the page (default: folder and name of the map)");
   app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
 }
 
-/** Refuses what no single option tells. */
+/** Refuses what is wrong of several options together. */
 void check(const Options& o)
 {
   const bool has_page = std::find(o.exports.formats.begin(), o.exports.formats.end(), "html") !=
@@ -155,23 +140,30 @@ std::string folder_for(const std::string& file, const Options& o)
   return beside.empty() ? "." : beside.string();
 }
 
-/** Before the work: no file is written over an input or over another one. */
-void require_files_apart(const Options& o)
+/** An input, and the files of its map. */
+struct Input
 {
-  std::vector<std::string> inputs = o.inputs;
-  inputs.push_back(o.exports.changes);
+  std::string file;
+  std::vector<std::string> map;
+};
+
+/** Before the work: no file is written over an input or over another one. */
+void require_files_apart(const std::vector<Input>& inputs, const Options& o)
+{
+  std::vector<std::string> read = o.inputs;
+  read.push_back(o.exports.changes);
   std::map<fs::path, std::string> written_for;
-  for (const std::string& file : o.inputs)
+  for (const Input& input : inputs)
   {
-    const auto files = app::files_of_export(file, folder_for(file, o), o.exports);
-    app::require_apart("", files, inputs);
+    const auto files = app::files_of_export(input.map, folder_for(input.file, o), o.exports);
+    app::require_apart("", files, read);
     for (const std::string& written : files)
     {
       const auto [first, is_new] =
-          written_for.emplace(fs::weakly_canonical(fs::absolute(written)), file);
-      if (!is_new && !app::is_same_file(first->second, file))
+          written_for.emplace(fs::weakly_canonical(fs::absolute(written)), input.file);
+      if (!is_new && !app::is_same_file(first->second, input.file))
         throw std::runtime_error(
-            first->second + " and " + file + ": both would be written as " + written +
+            first->second + " and " + input.file + ": both would be written as " + written +
             "; export them one by one, each with an --output of its own");
     }
   }
@@ -183,21 +175,26 @@ using Folders = std::map<std::string, std::unique_ptr<OutputFolder>>;
 /** The exit code: what fails costs no other file. */
 int export_all(const Options& o, const Folders& folders)
 {
-  require_files_apart(o);
   int code = 0;
+  std::vector<Input> inputs;
   for (const std::string& file : o.inputs)
   {
-    const OutputFolder& folder = *folders.at(folder_for(file, o));
-    const auto tell = [&](const std::string& text) { print_error(folder.told(text)); };
-    const auto work = [&]
+    const auto look = [&]
     {
-      const auto told = app::export_files(
-          file, folder.staging(), o.title.empty() ? title_of(file) : o.title, o.exports);
-      for (const std::string& note : told.notes) tell("warning: " + note);
-      for (const std::string& error : told.errors) tell(error);
-      return told.errors.empty() ? 0 : 1;
+      inputs.push_back({file, app::files_of_map(file)});
+      return 0;
     };
-    code = std::max(code, app::code_of(work, tell, file, kLessMemory));
+    code = std::max(code, app::code_of(look, print_error, file, kLessMemory));
+  }
+  require_files_apart(inputs, o);
+  for (const auto& [file, map] : inputs)
+  {
+    const OutputFolder& folder = *folders.at(folder_for(file, o));
+    const app::Exported exported = app::export_files(
+        map, folder.staging(), o.title.empty() ? title_of(file) : o.title, o.exports);
+    for (const std::string& note : exported.notes) print_error(folder.shown("warning: " + note));
+    for (const std::string& error : exported.errors) print_error(folder.shown(error));
+    if (!exported.errors.empty()) code = 1;
   }
   return code;
 }

@@ -47,7 +47,7 @@ class Batch
       for (std::size_t i = 0; i < jobs_.size() && stop_signal() == 0; ++i)
         if (!map_log(i)) failed_.push_back(jobs_[i].log);
     if (stop_signal()) return kSignalCode + stop_signal();
-    if (jobs_.size() > 1) tell();
+    if (jobs_.size() > 1) report();
     return failed_.empty() ? kDone : kSomeFailed;
   }
 
@@ -77,7 +77,7 @@ class Batch
 
   void run_some_at_once()
   {
-    // Of the jobs none can tell whether it is the last that leaves these folders empty.
+    // Of the jobs none knows whether it is the last that leaves these folders empty.
     std::optional<OutputFolder> all;
     if (!options_.output.empty()) all.emplace(options_.output);
     std::optional<OutputFolder> all_labels;
@@ -104,7 +104,7 @@ class Batch
     if (end.signal || end.exit_code != kDone) failed_.push_back(jobs_[i].log);
   }
 
-  void tell() const
+  void report() const
   {
     if (!options_.quiet)
       std::cout << jobs_.size() << " logs: " << jobs_.size() - failed_.size() << " done, "

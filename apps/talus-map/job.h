@@ -1,12 +1,12 @@
 #pragma once
+#include "../common/import/import_log.h"
+#include "options.h"
+#include "settings.h"
+
 #include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
-
-#include "../common/import/import_log.h"
-#include "options.h"
-#include "settings.h"
 
 namespace talus::app
 {

@@ -50,7 +50,7 @@ site::GeoOrigin origin_from_text(const std::string& text)
   struct Limit
   {
     const char* name;
-    double least, most;
+    double min, max;
   };
   static constexpr std::array<Limit, 4> kLimits{
       {{"latitude", -90, 90},
@@ -62,10 +62,10 @@ site::GeoOrigin origin_from_text(const std::string& text)
     throw std::invalid_argument(
         "'" + text + "' must be LAT,LON[,ALT[,HEADING]], for example 36.8383,-2.4045,52,30");
   for (std::size_t i = 0; i < n.size(); ++i)
-    if (n[i] < kLimits[i].least || n[i] > kLimits[i].most)
+    if (n[i] < kLimits[i].min || n[i] > kLimits[i].max)
       throw std::invalid_argument(
           std::string("the ") + kLimits[i].name + " " + number_text(n[i]) + " is not in [" +
-          number_text(kLimits[i].least) + ", " + number_text(kLimits[i].most) + "]");
+          number_text(kLimits[i].min) + ", " + number_text(kLimits[i].max) + "]");
   n.resize(kLimits.size());
   return {n[0], same_turn(n[1]), n[2], same_turn(n[3])};
 }

@@ -135,18 +135,18 @@ void LogMapper::run(const OnFrame& on_frame)
   note_values(reader->description());
   poses_ = PoseSource::of_log(source_, log_, options_);
   run_.pose_source = poses_.description();
-  std::size_t told = 0;
-  const auto tell = [&]
+  std::size_t shown = 0;
+  const auto show = [&]
   {
-    if (run_.frames.size() == told) return;
-    told = run_.frames.size();
+    if (run_.frames.size() == shown) return;
+    shown = run_.frames.size();
     on_frame(*this, reader->progress());
   };
   while (const auto obs = guarded(
              log_, kLookAtLog, [&] { return reader->next(); }, memory_bytes))
-    if (take(*obs)) tell();
+    if (take(*obs)) show();
   gatherer_.finish([this](const Frame& scan) { map_scan(scan); });
-  tell();
+  show();
   if (run_.frames.empty()) explain_no_frames();
   if (options_.suggest) return;
   add_hints();
@@ -174,10 +174,10 @@ bool LogMapper::take(const mrpt::obs::CObservation& obs)
   return insert(obs.sensorLabel);
 }
 
-/** An import may tell that the intensities of its points are other values. */
+/** An import may say that the intensities of its points are other values. */
 void LogMapper::note_values(const std::string& description)
 {
-  const auto values = import::values_told_by(description);
+  const auto values = import::values_named_by(description);
   if (!values) return;
   const auto& channels = map_.parameters().channels;
   for (std::size_t c = 0; c < channels.size(); ++c)

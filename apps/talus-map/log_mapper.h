@@ -3,7 +3,6 @@
 #include "kept_site.h"
 #include "label_files.h"
 #include "pose_source.h"
-#include "settings.h"
 
 #include <talus/elevation_mapper.h>
 #include <talus/frame_gatherer.h>
@@ -11,16 +10,16 @@
 #include <talus/io/layer_stack.h>
 #include <talus/io/summary_json.h>
 #include <talus/mrpt/sensor_numbers.h>
-
 #include <mrpt/obs/CObservation.h>
-
 #include <opencv2/core.hpp>
+#include <talus/io/geo_origin.h>
 
 #include <cmath>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -114,5 +113,21 @@ class LogMapper
   std::set<std::string> other_labels_;  //!< of sensors that were not asked for
   double first_stamp_s_ = HUGE_VAL, final_stamp_s_ = -HUGE_VAL;  //!< of all scans
 };
+
+/** Writes map.tif, map.png, timing.csv and summary.json into a folder. Throws std::runtime_error
+ * naming the file. */
+void write_results(
+    const std::string& folder, const LogMapper& mapper, const std::optional<io::GeoOrigin>& origin);
+
+/** Writes frames/frame_NNNNNN.tif and .png of the map as it is now. Throws std::runtime_error. */
+void write_snapshot(
+    const std::string& folder, const LogMapper& mapper, const std::optional<io::GeoOrigin>& origin);
+
+/** A few lines for the terminal about what was done. */
+std::string console_summary(const LogMapper& mapper);
+
+/** The text of an INI file (--config) that suits the log that was read, a line a parameter, each
+ * with its reason. */
+std::string suggestion_ini(const LogMapper& mapper);
 
 }  // namespace talus::app

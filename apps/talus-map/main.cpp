@@ -6,7 +6,6 @@
 #include "run_job.h"
 #include "job.h"
 #include "options.h"
-#include "settings.h"
 
 #include <algorithm>
 #include <exception>

@@ -96,22 +96,16 @@ void add_inputs(CLI::App& app, Options& o)
       ->required()
       ->check(not_empty())
       ->type_name("");
-  auto* trajectory =
-      app.add_option(
-             "--trajectory", o.trajectory,
-             "Poses of the robot: TUM text (t x y z qx qy qz qw, base in map) or .simplemap")
-          ->check(not_empty())
-          ->type_name("FILE");
+  auto* trajectory = add_text(
+      app, "--trajectory", o.trajectory, "FILE",
+      "Poses of the robot: TUM text (t x y z qx qy qz qw, base in map) or .simplemap");
   app.add_flag("--static", o.robot_is_static, "The robot does not move; needs no poses")
       ->excludes(trajectory);
-  app.add_option(
-         "--max-gap", o.max_gap_s, "Scans between poses farther apart than this are skipped [s]")
-      ->check(between(0.0, 1e6))
-      ->capture_default_str()
-      ->type_name("S");
-  app.add_option("--sensor", o.sensor, "Only the sensor of this label (default: every sensor)")
-      ->check(not_empty())
-      ->type_name("LABEL");
+  add_number(
+      app, "--max-gap", o.max_gap_s, 0.0, 1e6, "S",
+      "Scans between poses farther apart than this are skipped [s]");
+  add_text(
+      app, "--sensor", o.sensor, "LABEL", "Only the sensor of this label (default: every sensor)");
 }
 
 /** What talus-import has, under a heading of its own. */
@@ -129,11 +123,9 @@ void add_import(CLI::App& app, Options& o)
 
 void add_processing(CLI::App& app, Options& o)
 {
-  app.add_option(
-         "--config", o.config,
-         "INI file with [CDualElevationMap_creationOpts] and [CDualElevationMap_insertOpts]")
-      ->check(not_empty())
-      ->type_name("FILE.ini");
+  add_text(
+      app, "--config", o.config, "FILE.ini",
+      "INI file with [CDualElevationMap_creationOpts] and [CDualElevationMap_insertOpts]");
   app.add_option("-s,--set", o.overrides, "Set a parameter, after --config; can be repeated")
       ->allow_extra_args(false)
       ->type_name("NAME=VALUE");
@@ -188,7 +180,7 @@ void add_site(CLI::App& app, Options& o)
   app.add_flag(
          "--traffic", o.traffic,
          "Write traffic.tif, too: how often something that moved was in each cell, how many scans "
-         "hit it, and how fast it was")
+         "hit it")
       ->excludes(none);
   app.add_option(
          "--resume", o.resume,
@@ -246,20 +238,16 @@ void add_outputs(CLI::App& app, Options& o)
       app, "--export", o.exports,
       "Write the site map as talus-export does, too: site.html and so on; without one the map of "
       "the window");
-  app.add_option(
-         "--output", o.output,
-         "Folder of the results; a batch makes one folder a log in it (default: NAME_map)")
-      ->check(not_empty())
-      ->type_name("DIR");
+  add_text(
+      app, "--output", o.output, "DIR",
+      "Folder of the results; a batch makes one folder a log in it (default: NAME_map)");
   app.add_option("--every", o.every, "Also write map and picture of every Nth frame")
       ->check(CLI::Range(1, 1000000000))
       ->type_name("N");
-  app.add_option(
-         "--rawlog-out", o.rawlog_out,
-         "Also write the log with a snapshot of the map after each scan, or each Nth with --every "
-         "(of one log)")
-      ->check(not_empty())
-      ->type_name("FILE.rawlog");
+  add_text(
+      app, "--rawlog-out", o.rawlog_out, "FILE.rawlog",
+      "Also write the log with a snapshot of the map after each scan, or each Nth with --every "
+      "(of one log)");
   app.add_option_function<std::string>(
          "--channels", [&o](const std::string& text) { o.channels = channels_from_text(text); },
          "Also map values that points bring: intensity, red, green, blue (or rgb for the three), "
@@ -268,16 +256,13 @@ void add_outputs(CLI::App& app, Options& o)
       ->type_name("NAME:RULE,...");
   app.add_flag(
       "--risk", o.risk,
-      "Also write the layer risk: the probability that a cell is impassable, by what the map tells "
-      "of its errors");
-  auto* labels =
-      app.add_option(
-             "--labels", o.labels,
-             "Also write what each point of each scan is (ground, stands, hangs ...) into "
-             "this folder, a file a scan as in SemanticKITTI; a batch makes one folder a "
-             "log in it")
-          ->check(not_empty())
-          ->type_name("DIR");
+      "Also write the layer risk: the probability that a cell is impassable, by its "
+      "error estimates");
+  auto* labels = add_text(
+      app, "--labels", o.labels, "DIR",
+      "Also write what each point of each scan is (ground, stands, hangs ...) into "
+      "this folder, a file a scan as in SemanticKITTI; a batch makes one folder a "
+      "log in it");
   app.add_option_function<std::string>(
          "--labels-as",
          [&o](const std::string& text)

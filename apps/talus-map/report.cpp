@@ -1,4 +1,4 @@
-#include "report.h"
+#include "log_mapper.h"
 
 #include <mrpt/core/format.h>
 #include <talus/io/geotiff.h>

@@ -11,7 +11,6 @@
 #include "label_files.h"
 #include "log_mapper.h"
 #include "rawlog_out.h"
-#include "report.h"
 #include "job.h"
 
 #include <talus/io/map_picture.h>
@@ -46,7 +45,7 @@ void write_log(RawlogOut& out)
         out.externals_of_copy());
 }
 
-void tell_hints(const Job& job, const LogMapper& mapper)
+void print_hints(const Job& job, const LogMapper& mapper)
 {
   for (const auto& hint : mapper.summary().hints) print_error("hint: " + job.log + ": " + hint);
 }
@@ -56,7 +55,7 @@ void require_no_hints(const Job& job, const LogMapper& mapper)
 {
   const std::size_t count = mapper.summary().hints.size();
   if (count == 0) return;
-  tell_hints(job, mapper);
+  print_hints(job, mapper);
   throw std::runtime_error(
       job.log + ": nothing was written because of " + std::to_string(count) +
       (count == 1 ? " hint" : " hints") + " (--strict): mend that, or leave --strict out");
@@ -71,9 +70,9 @@ struct JobFolders
     require_no_foreign_labels(job.labels);
     labels.emplace(job.labels, "--labels");
   }
-  std::string told(const std::string& error) const
+  std::string shown(const std::string& error) const
   {
-    return results.told(labels ? labels->told(error) : error);
+    return results.shown(labels ? labels->shown(error) : error);
   }
   /** The results last, since summary.json says that all is there. */
   void commit()
@@ -124,7 +123,7 @@ bool write_site(KeptSite& site, const OutputFolder& output, io::RunSummary& run,
   }
   catch (const std::exception& e)
   {
-    run.warnings.push_back("the site map is not written: " + output.told(e.what()));
+    run.warnings.push_back("the site map is not written: " + output.shown(e.what()));
   }
   std::vector<fs::path> parts;
   for (const auto& file : fs::directory_iterator(output.staging()))
@@ -183,10 +182,10 @@ bool map_log(
   write_results(folder, mapper, origin_of(site, options));
   write_qgis_styles(job, output);
   if (rawlog_out) write_log(*rawlog_out);
-  const auto& warnings = mapper.summary().warnings;  // those of the settings have been told
+  const auto& warnings = mapper.summary().warnings;  // those of the settings have been printed
   for (std::size_t i = settings.warnings.size(); i < warnings.size(); ++i)
     print_error("warning: " + job.log + ": " + warnings[i]);
-  tell_hints(job, mapper);
+  print_hints(job, mapper);
   if (!options.quiet) std::cout << console_summary(mapper);
   return is_whole;
 }
@@ -207,7 +206,7 @@ int map_or_tell(
   }
   catch (const std::exception& e)
   {
-    print_error(folders.told(e.what()));
+    print_error(folders.shown(e.what()));
   }
   return kSomeFailed;
 }
@@ -234,8 +233,8 @@ bool write_exports(
     const Job& job, const Options& options, const Settings& settings, const OutputFolder& output)
 {
   if (options.exports.formats.empty()) return true;
-  const auto tell = [&](const std::string& text)
-  { print_error(job.log + ": " + output.told(text)); };
+  const auto report = [&](const std::string& text)
+  { print_error(job.log + ": " + output.shown(text)); };
   const auto work = [&]
   {
     fs::path map = fs::path(output.staging()) / "site.tif";
@@ -244,15 +243,15 @@ bool write_exports(
     ExportOptions exports = options.exports;
     auto& smallest_m = exports.occupancy.close_islands_m;
     smallest_m = robot_size_m(settings, smallest_m);
-    const Exported told =
-        export_files(map.string(), output.staging(), (name / map.stem()).string(), exports);
-    for (const std::string& note : told.notes) tell("warning: " + note);
-    for (const std::string& error : told.errors) tell(error);
-    return told.errors.empty() ? kDone : kSomeFailed;
+    const Exported exported = export_files(
+        files_of_map(map.string()), output.staging(), (name / map.stem()).string(), exports);
+    for (const std::string& note : exported.notes) report("warning: " + note);
+    for (const std::string& error : exported.errors) report(error);
+    return exported.errors.empty() ? kDone : kSomeFailed;
   };
   const ChildEnd end = run_in_child(
-      [&] { return code_of(work, tell, job.folder, "Export it by talus-export, in parts"); });
-  if (end.signal && !stop_signal()) tell("the export " + crash_text("", end.signal));
+      [&] { return code_of(work, report, job.folder, "Export it by talus-export, in parts"); });
+  if (end.signal && !stop_signal()) report("the export " + crash_text("", end.signal));
   return end.signal == 0 && end.exit_code == kDone;
 }
 }  // namespace
@@ -316,9 +315,9 @@ bool suggest_settings(const Job& job, const Options& options, const Settings& se
     std::cout << suggestion_ini(mapper) << std::flush;
     return kDone;
   };
-  const auto tell = [&](const std::string& text)
-  { print_error(hidden ? hidden->told(text) : text); };
-  return run_command_in_child(job.log, kLookAtLog, work, tell) == kDone;
+  const auto report = [&](const std::string& text)
+  { print_error(hidden ? hidden->shown(text) : text); };
+  return run_command_in_child(job.log, kLookAtLog, work, report) == kDone;
 }
 
 bool settings_work(const Settings& settings)
@@ -346,7 +345,7 @@ bool settings_work(const Settings& settings)
 
 int count_devices()
 {
-  constexpr int kMax = 255;  // that an exit code can tell
+  constexpr int kMax = 255;  // the largest exit code
   return run_in_child([=] { return std::min(cuda_devices(), kMax); }).exit_code;
 }
 

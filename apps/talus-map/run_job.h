@@ -4,7 +4,6 @@
 
 #include "../common/run_app.h"
 #include "job.h"
-#include "settings.h"
 
 namespace talus::app
 {

@@ -78,7 +78,7 @@ std::string text_of_alignment(const align::Alignment& a, const std::string& path
     text += "not moved";
   std::string untold;
   for (const std::string& name : a.untold) untold += (untold.empty() ? "" : ", ") + name;
-  return untold.empty() ? text : text + "; left, since nothing there tells it: " + untold;
+  return untold.empty() ? text : text + "; left, since nothing there determines it: " + untold;
 }
 
 }  // namespace talus::site

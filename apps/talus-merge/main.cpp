@@ -50,7 +50,7 @@ struct Options
 };
 
 constexpr const char* kFooter =
-    "Each cell of the result is told by the best evidence: measured before filled from two sides\n"
+    "Each cell of the result has the best evidence: measured before filled from two sides\n"
     "before presumed before filled from one. Heights of equal evidence that agree within --step "
     "become their "
     "mean,\n"
@@ -70,7 +70,7 @@ constexpr const char* kFooter =
     "signal "
     "N.";
 
-/** Refuses what no single option tells. */
+/** Refuses what is wrong of several options together. */
 void check(const Options& o)
 {
   if (o.changes && o.inputs.size() != 2)
@@ -83,7 +83,7 @@ void check(const Options& o)
 
 void add_options(CLI::App& app, Options& o)
 {
-  app.description("Fuses the maps of several drives, days or robots, or tells what changed.");
+  app.description("Fuses the maps of several drives, days or robots, or says what changed.");
   app.footer(kFooter);
   app.add_option(
          "MAP", o.inputs,
@@ -98,22 +98,15 @@ void add_options(CLI::App& app, Options& o)
   app.add_flag("--changes", o.changes, "Of two maps, the older first: write what changed instead");
   app.add_flag(
       "--align", o.align,
-      "Bring all maps into the frame of the first (x, y, z, yaw), where the ground tells it");
-  app.add_option("--picture", o.picture, "Also draw the map of all, a PNG")
-      ->check(app::not_empty())
-      ->type_name("FILE");
-  app.add_option("--step", o.merge.step_m, "Heights farther apart contradict each other [m]")
-      ->check(app::between(0.0, 100.0))
-      ->capture_default_str()
-      ->type_name("M");
-  app.add_option("--threads", o.merge.threads, "0: all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str()
-      ->type_name("N");
-  app.add_option("--memory", o.memory_mb, "For tiles of the map [MB]; the others wait on the disk")
-      ->check(CLI::Range(16, 1'000'000))
-      ->capture_default_str()
-      ->type_name("MB");
+      "Bring all maps into the frame of the first (x, y, z, yaw), where the ground determines it");
+  app::add_text(app, "--picture", o.picture, "FILE", "Also draw the map of all, a PNG");
+  app::add_number(
+      app, "--step", o.merge.step_m, 0.0, 100.0, "M",
+      "Heights farther apart contradict each other [m]");
+  app::add_number(app, "--threads", o.merge.threads, 0, 1024, "N", "0: all cores");
+  app::add_number(
+      app, "--memory", o.memory_mb, 16, 1'000'000, "MB",
+      "For tiles of the map [MB]; the others wait on the disk");
   app.add_flag(
       "--keep-far", o.keep_far,
       "Write one file, however far its parts lie from each other: takes long (default: "
@@ -164,7 +157,7 @@ void warn_of_doubtful(const std::vector<MapFit>& fits, const Options& o)
   }
 }
 
-void tell_fits(
+void print_fits(
     const std::vector<Alignment>& alignments, const std::vector<MapFit>& fits, const Options& o)
 {
   for (std::size_t i = 1; i < alignments.size() && o.align && !o.quiet; ++i)
@@ -224,10 +217,10 @@ void merge(const Options& o, const std::string& staging, const std::string& pict
   if (!o.quiet)
     std::cout << o.inputs.size() << (o.inputs.size() == 1 ? " map: " : " maps: ")
               << square_metres(known_m2) << " known\n";
-  tell_fits(alignments, fits, o);
+  print_fits(alignments, fits, o);
 }
 
-void tell(const ChangeSums& sums)
+void print(const ChangeSums& sums)
 {
   const auto line = [&](const char* words, Change c)
   {
@@ -241,14 +234,14 @@ void tell(const ChangeSums& sums)
   line("object new   ", Change::Appeared);
 }
 
-/** What is new would be told as gone. */
+/** What is new would be reported as gone. */
 void warn_of_order(const std::string& from, const std::string& to)
 {
   const std::uint32_t from_s = info_of_site(from).newest_s, to_s = info_of_site(to).newest_s;
   if (from_s > to_s)
     print_error(
         "warning: " + from + " was seen " + std::to_string(from_s - to_s) + " s after " + to +
-        ": --changes tells what changed from the first map to the second; give the older one "
+        ": --changes says what changed from the first map to the second; give the older one "
         "first");
 }
 
@@ -268,13 +261,13 @@ void compare(const Options& o, const fs::path& to_folder)
   const auto to = site_of(o.inputs[1], alignments[1], "tiles_to");
   ChangeSums sums;
   for (const int floor : floors_of(*to))
-    if (floor == 0 || have_common_place(*from, *to, floor))
+    if (floor == 0 || have_common_tile(*from, *to, floor))
       sums.add(write_changes(
           with_floor((to_folder / "changes.tif").string(), floor),
           with_floor((to_folder / "changes.png").string(), floor), *from, *to, floor,
           o.merge.step_m));
-  if (!o.quiet) tell(sums);
-  tell_fits(alignments, {fit_of(*from, *to, 0)}, o);
+  if (!o.quiet) print(sums);
+  print_fits(alignments, {fit_of(*from, *to, 0)}, o);
 }
 
 void require_files_apart(const Options& o)

@@ -10,6 +10,7 @@
 
 #include "apps/common/command_line.h"
 #include "apps/common/progress_bar.h"
+#include "log_files.h"
 
 using namespace talus::app;
 
@@ -38,8 +39,8 @@ TEST(Mounting, says_what_is_wrong_and_in_which_order_numbers_are_needed)
   catch (const std::invalid_argument& wrong)
   {
     const std::string text = wrong.what();
-    EXPECT_NE(text.find("'400' in '0,0,0.6,0,400,0'"), std::string::npos) << text;
-    EXPECT_NE(text.find("X,Y,Z,YAW,PITCH,ROLL [m, degrees]"), std::string::npos) << text;
+    EXPECT_SAYS(text, "'400' in '0,0,0.6,0,400,0'");
+    EXPECT_SAYS(text, "X,Y,Z,YAW,PITCH,ROLL [m, degrees]");
   }
 }
 
@@ -74,27 +75,25 @@ TEST(CommandLine, a_misspelt_option_gets_the_nearest)
   {
     const Answer a = answer_to({"a.rawlog", word, "out"});
     EXPECT_EQ(a.code, 2) << word;
-    EXPECT_NE(a.text.find("did you mean --output?"), std::string::npos) << a.text;
+    EXPECT_SAYS(a.text, "did you mean --output?");
   }
-  EXPECT_NE(
-      answer_to({"--output", "out", "--trajektory", "a.tum"})
-          .text.find("did you mean --trajectory?"),
-      std::string::npos);
+  EXPECT_SAYS(
+      answer_to({"--output", "out", "--trajektory", "a.tum"}).text, "did you mean --trajectory?");
 }
 
 TEST(CommandLine, an_option_that_is_like_none_is_named)
 {
   const Answer a = answer_to({"--output", "out", "--bananas"});
   EXPECT_EQ(a.code, 2);
-  EXPECT_NE(a.text.find("there is no option --bananas"), std::string::npos) << a.text;
-  EXPECT_EQ(a.text.find("did you mean"), std::string::npos) << a.text;
+  EXPECT_SAYS(a.text, "there is no option --bananas");
+  EXPECT_SAYS_NOT(a.text, "did you mean");
 }
 
 TEST(CommandLine, what_is_missing_is_said_where_no_option_is_misspelt)
 {
   const Answer a = answer_to({"a.rawlog"});
   EXPECT_EQ(a.code, 2);
-  EXPECT_NE(a.text.find("--output is required"), std::string::npos) << a.text;
+  EXPECT_SAYS(a.text, "--output is required");
 }
 
 TEST(TimeLeft, follows_from_what_was_done_since_the_job_began)

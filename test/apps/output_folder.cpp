@@ -123,13 +123,13 @@ TEST(OutputFolder, has_without_its_seal_no_results)
   EXPECT_FALSE(fs::exists(dir / "out/map.tif"));
 }
 
-TEST(OutputFolder, tells_of_its_hidden_folder_by_the_name_that_was_given)
+TEST(OutputFolder, shows_its_hidden_folder_by_the_name_that_was_given)
 {
   const ScratchDir dir;
   const std::string name = dir / "out";
   OutputFolder output(name);
   EXPECT_EQ(
-      output.told(output.staging() + "/a and " + output.staging() + "/b"),
+      output.shown(output.staging() + "/a and " + output.staging() + "/b"),
       name + "/a and " + name + "/b");
   try
   {
@@ -138,8 +138,8 @@ TEST(OutputFolder, tells_of_its_hidden_folder_by_the_name_that_was_given)
   }
   catch (const std::runtime_error& e)
   {
-    EXPECT_NE(std::string(e.what()).find(name + "/map.tif"), std::string::npos) << e.what();
-    EXPECT_EQ(std::string(e.what()).find(output.staging()), std::string::npos) << e.what();
+    EXPECT_SAYS(std::string(e.what()), name + "/map.tif") << e.what();
+    EXPECT_SAYS_NOT(std::string(e.what()), output.staging()) << e.what();
   }
 }
 

@@ -3,70 +3,43 @@
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/poses/CPose3D.h>
-#include <sys/wait.h>
 #include <talus/io/rawlog_reader.h>
-#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
-#include "log_files.h"
+#include "command_run.h"
 
 namespace fs = std::filesystem;
+using talus::test::CommandEnd;
 
 namespace
 {
-struct Outcome
-{
-  int code = 0;
-  std::string text;
-  bool says(const std::string& words) const { return text.find(words) != std::string::npos; }
-};
-
-std::string bytes_of(const fs::path& file)
-{
-  std::ostringstream out;
-  out << std::ifstream(file, std::ios::binary).rdbuf();
-  return out.str();
-}
-
-class TalusCalibrate : public testing::Test
+class TalusCalibrate : public talus::test::CommandTest
 {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
-  Outcome run(const std::string& command) const
+  CommandEnd calibrate(const std::string& arguments) const
   {
-    const std::string log = path("output.txt");
-    const int status =
-        std::system(("cd '" + folder_.string() + "' && " + command + " >" + log + " 2>&1").c_str());
-    return {WEXITSTATUS(status), bytes_of(log)};
+    return shell(TALUS_CALIBRATE_EXE " " + arguments);
   }
-  Outcome calibrate(const std::string& arguments) const
+  void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
   {
-    return run(std::string(TALUS_CALIBRATE_EXE) + " " + arguments);
+    talus::test::expect_end(calibrate(arguments), code, words);
+    EXPECT_FALSE(exists("out"));
   }
   /** drive.rawlog and drive.tum. */
   void simulate(
       const std::string& ground, const std::string& way, const std::string& more,
       const std::string& sensor = "{}") const
   {
-    std::ofstream(folder_ / "drive.yaml")
-        << "ground: [" << ground << "]\nrobot: {path_m: " << way << "}\nsensor: " << sensor << "\n";
-    const auto made = run(std::string(TALUS_SIM_EXE) + " drive.yaml --output . --quiet " + more);
-    ASSERT_EQ(made.code, 0) << made.text;
+    write(
+        "drive.yaml",
+        "ground: [" + ground + "]\nrobot: {path_m: " + way + "}\nsensor: " + sensor + "\n");
+    done(TALUS_SIM_EXE " drive.yaml --output . --quiet " + more);
   }
-
- private:
-  fs::path folder_ = fs::temp_directory_path() / ("talus_calibrate_" + std::to_string(getpid()));
 };
 
 const char* const kWaves =
@@ -96,15 +69,15 @@ TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
   const auto done = calibrate("m\xfcll/" + kNear);
   ASSERT_EQ(done.code, 0) << done.text;
   EXPECT_TRUE(done.says("held-out ground thickness")) << done.text;
-  const auto json = nlohmann::json::parse(bytes_of(path("out/calibration.json")));
+  const auto json = this->json("out/calibration.json");
   expect_true_mounting(json);
   EXPECT_NEAR(estimate_of(json, "time_offset"), -0.05, 0.005);
   EXPECT_LT(json["held_out"]["after"]["thickness_m"], json["held_out"]["before"]["thickness_m"]);
-  EXPECT_NE(bytes_of(path("out/calibration.ini")).find("c_beam_m = "), std::string::npos);
-  EXPECT_EQ(bytes_of(path("out/calibration.png")).substr(1, 3), "PNG");
+  EXPECT_SAYS(text("out/calibration.ini"), "c_beam_m = ");
+  EXPECT_EQ(text("out/calibration.png").substr(1, 3), "PNG");
 
   const auto edited =
-      run("rawlog-edit --sensors-pose out/sensors-pose.ini -i ./drive.rawlog -o ./fixed.rawlog");
+      shell("rawlog-edit --sensors-pose out/sensors-pose.ini -i ./drive.rawlog -o ./fixed.rawlog");
   ASSERT_EQ(edited.code, 0) << edited.text;
   talus::io::RawlogReader fixed(path("fixed.rawlog"));
   const mrpt::poses::CPose3D mounting(fixed.next()->sensorPose());
@@ -119,17 +92,14 @@ TEST_F(TalusCalibrate, FindsASensorThatIsMountedUpsideDown)
   const auto done = calibrate(kNear);
   ASSERT_EQ(done.code, 0) << done.text;
   EXPECT_TRUE(done.says("mounted upside down")) << done.text;
-  const auto json = nlohmann::json::parse(bytes_of(path("out/calibration.json")));
+  const auto json = this->json("out/calibration.json");
   expect_true_mounting(json);
 }
 
 TEST_F(TalusCalibrate, RefusesASensorOnItsSide)
 {
   simulate(kWaves, kWay, kFewScans + "--mounting-error 0,0,0,0,0,90");
-  const auto refused = calibrate(kNear);
-  EXPECT_EQ(refused.code, 1) << refused.text;
-  EXPECT_TRUE(refused.says("drive.rawlog: ")) << refused.text;
-  EXPECT_FALSE(fs::exists(path("out")));
+  fails(kNear, 1, {"drive.rawlog: "});
 }
 
 TEST_F(TalusCalibrate, WritesNoFitThatMakesTheHeldOutFramesWorse)
@@ -147,11 +117,7 @@ TEST_F(TalusCalibrate, WritesNoFitThatMakesTheHeldOutFramesWorse)
     scans.push_back(scan);
   }
   talus::test::write_log(path("drive.rawlog"), scans, talus::test::Packing::Plain);
-  const auto refused = calibrate(kNear);
-  EXPECT_EQ(refused.code, 1) << refused.text;
-  EXPECT_TRUE(refused.says("nothing was written")) << refused.text;
-  EXPECT_TRUE(refused.says("held out")) << refused.text;
-  EXPECT_FALSE(fs::exists(path("out")));
+  fails(kNear, 1, {"nothing was written", "held out"});
 }
 
 TEST_F(TalusCalibrate, StatesNoCertaintyOfANoiseThatIsNotTold)
@@ -159,18 +125,17 @@ TEST_F(TalusCalibrate, StatesNoCertaintyOfANoiseThatIsNotTold)
   simulate(kWaves, kWay, kFewScans, "{noise_m: 0, noise_per_m: 0}");
   const auto done = calibrate(kNear);
   ASSERT_EQ(done.code, 0) << done.text;
-  const auto json = nlohmann::json::parse(bytes_of(path("out/calibration.json")));
+  const auto json = this->json("out/calibration.json");
   ASSERT_FALSE(json["noise"]["c_beam_m"]["told_from_zero"]) << done.text;
-  const std::string ini = bytes_of(path("out/calibration.ini"));
-  EXPECT_NE(ini.find("c_beam_m = 0.0001   # not told from zero"), std::string::npos) << ini;
+  const std::string ini = text("out/calibration.ini");
+  EXPECT_SAYS(ini, "c_beam_m = 0.0001   # not told from zero");
 }
 
 TEST_F(TalusCalibrate, TellsOfADiskThatIsFullByTheNameOfTheFolderAndWritesNothing)
 {
   simulate(kWaves, kWay, kFewScans + "--frames 12");
   const auto full =
-      run("ulimit -f 2; " + std::string(TALUS_CALIBRATE_EXE) +
-          " drive.rawlog --max-range 4 --quiet --output out");
+      shell("ulimit -f 2; " TALUS_CALIBRATE_EXE " drive.rawlog --max-range 4 --quiet --output out");
   EXPECT_EQ(full.code, 1);
   EXPECT_EQ(full.text.rfind("talus-calibrate: out/calibration.", 0), 0U) << full.text;
   EXPECT_FALSE(fs::exists(path("out")));
@@ -179,27 +144,15 @@ TEST_F(TalusCalibrate, TellsOfADiskThatIsFullByTheNameOfTheFolderAndWritesNothin
 TEST_F(TalusCalibrate, SaysWhatIsMissingAndWritesNothing)
 {
   simulate("{plane: {z_m: 0}}", "[[0, 0], [1, 0]]", "--frames 1");
-  const auto one_pose = calibrate("drive.rawlog --output out");
-  EXPECT_EQ(one_pose.code, 1);
-  EXPECT_TRUE(one_pose.says("motion")) << one_pose.text;
+  fails("drive.rawlog --output out", 1, {"motion"});
   simulate("{plane: {z_m: 0}}", "[[0, 0], [0.3, 0]]", "");
-  const auto too_few = calibrate("drive.rawlog --output out");
-  EXPECT_EQ(too_few.code, 1);
-  EXPECT_TRUE(too_few.says("too few")) << too_few.text;
+  fails("drive.rawlog --output out", 1, {"too few"});
   simulate("{plane: {z_m: 0}}", "[[0, 0], [2, 0]]", "");
-  const auto no_ground = calibrate("drive.rawlog --max-range 1.5 --output out");
-  EXPECT_EQ(no_ground.code, 1);
-  EXPECT_TRUE(no_ground.says("ground")) << no_ground.text;
-  EXPECT_FALSE(fs::exists(path("out")));
-}
-
-TEST_F(TalusCalibrate, RefusesALogThatAResultWouldReplace)
-{
-  simulate("{plane: {z_m: 0}}", "[[0, 0], [1, 0]]", "--frames 2");
+  fails("drive.rawlog --max-range 1.5 --output out", 1, {"ground"});
   fs::rename(path("drive.rawlog"), path("calibration.json"));
-  const auto refused = calibrate("calibration.json --trajectory drive.tum --output .");
-  EXPECT_EQ(refused.code, 1);
-  EXPECT_TRUE(refused.says("would be overwritten, but it is an input")) << refused.text;
+  fails(
+      "calibration.json --trajectory drive.tum --output .", 1,
+      {"would be overwritten, but it is an input"});
 }
 
 TEST_F(TalusCalibrate, SurvivesADamagedLogThatCrashesMrpt)
@@ -208,7 +161,7 @@ TEST_F(TalusCalibrate, SurvivesADamagedLogThatCrashesMrpt)
   obs->hasRangeImage = true;
   obs->rangeImage_setSize(7, 11);
   talus::test::write_log(path("depth.rawlog"), {obs}, talus::test::Packing::Plain);
-  std::string bytes = bytes_of(path("depth.rawlog"));
+  std::string bytes = text("depth.rawlog");
   const char size[] = {7, 0, 0, 0, 11, 0, 0, 0};
   const auto at = bytes.find(std::string(size, sizeof size));
   ASSERT_NE(at, std::string::npos);
@@ -222,16 +175,14 @@ TEST_F(TalusCalibrate, SurvivesADamagedLogThatCrashesMrpt)
 
 TEST_F(TalusCalibrate, TellsWrongUseAndWrongFiles)
 {
-  EXPECT_EQ(calibrate("").code, 2);
-  EXPECT_EQ(calibrate("a.rawlog --noise loud").code, 2);
-  for (const char* wrong :
-       {"--max-gap nan", "--max-offset nan", "--base-height nan", "--max-range nan",
+  fails("", 2, {});
+  for (const std::string wrong :
+       {"--noise loud", "--max-gap nan", "--max-offset nan", "--base-height nan", "--max-range nan",
         "--time-offset nan", "--mount nan,0,0,0,0,0", "--trajectory ''", "--output ''"})
-    EXPECT_EQ(calibrate(std::string("a.rawlog ") + wrong).code, 2) << wrong;
-  EXPECT_EQ(calibrate("--help").code, 0);
-  EXPECT_TRUE(calibrate("--version").says("talus-calibrate "));
-  const auto missing = calibrate("nowhere.rawlog");
-  EXPECT_EQ(missing.code, 1);
-  EXPECT_TRUE(missing.says("nowhere.rawlog")) << missing.text;
+    fails("a.rawlog " + wrong, 2, {});
+  fails("--help", 0, {});
+  fails("--version", 0, {"talus-calibrate "});
+  fails("nowhere.rawlog", 1, {"nowhere.rawlog"});
 }
+
 }  // namespace

@@ -13,12 +13,12 @@ using TalusCompare = ComparedWorlds;
 
 TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
 {
-  const Outcome o = run(path("small.yaml") + " --output " + path("out"));
+  const Outcome o = run("small.yaml --output out");
   ASSERT_EQ(o.code, 0) << o.text;
-  EXPECT_NE(o.text.find("octomap"), std::string::npos);
-  EXPECT_NE(o.text.find("measured_ground_flat_rmse_m"), std::string::npos);
+  EXPECT_SAYS(o.text, "octomap");
+  EXPECT_SAYS(o.text, "measured_ground_flat_rmse_m");
 
-  const auto json = nlohmann::json::parse(read("out/comparison.json"));
+  const auto json = comparison();
   const auto& world = json["worlds"][0];
   EXPECT_EQ(world["name"], "small");
   EXPECT_EQ(world["frames"], 11);
@@ -27,7 +27,7 @@ TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
   EXPECT_EQ(world["fills"].size(), 5);
   EXPECT_FALSE(world["budgets"].empty());
 
-  EXPECT_EQ(read("out/methods.csv").rfind("world,method,update_median_ms", 0), 0);
+  EXPECT_EQ(text("out/methods.csv").rfind("world,method,update_median_ms", 0), 0);
   EXPECT_FALSE(cv::imread(path("out/maps.png")).empty());
   EXPECT_FALSE(cv::imread(path("out/fills.png")).empty());
   EXPECT_FALSE(cv::imread(path("out/calibration_of_heights.png")).empty());
@@ -36,7 +36,7 @@ TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
   const auto& heights = world["heights"]["measured"];
   EXPECT_GT(heights["all"]["within_2"], 0.85);
   EXPECT_EQ(heights["near"]["n"].get<int>() + heights["far"]["n"].get<int>(), heights["all"]["n"]);
-  EXPECT_NE(read("out/tables.md").find("## heights within one and two told"), std::string::npos);
+  EXPECT_SAYS(text("out/tables.md"), "## heights within one and two told");
   ASSERT_EQ(world["risk"].size(), 10U);
   EXPECT_LT(world["risk"][0]["impassable"], 0.1 * world["risk"][0]["n"].get<double>());
 }
@@ -44,12 +44,11 @@ TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
 TEST_F(TalusCompare, SaysOfSeveralWorldsHowManyFailAndWhichIsTheWorst)
 {
   write_world_with_wall("wall");
-  const Outcome o = run(
-      path("small.yaml") + " " + path("wall.yaml") + " --methods talus --output " + path("out"));
+  const Outcome o = run("small.yaml wall.yaml --methods talus --output out");
   ASSERT_EQ(o.code, 0) << o.text;
   int judged = 0, fail = 0, not_seen = 0;
   double worst = 2;
-  const auto json = nlohmann::json::parse(read("out/comparison.json"));
+  const auto json = comparison();
   for (const auto& world : json["worlds"])
   {
     std::map<std::string, nlohmann::json> budgets;
@@ -80,9 +79,9 @@ TEST_F(TalusCompare, ShowsInEachColumnOfTheFillsWhatItsHeadingSays)
       << "ground: [roughness: {amplitude_m: 0.05, wavelength_m: 0.6, seed: 1}]\n"
          "objects: [box: {at_m: [3, 1], size_m: [0.5, 0.5, 0.5]}]\n"
          "robot: {path_m: [[0, 0], [1, 0]]}\n";
-  const Outcome o = run(path("rough.yaml") + " --methods talus --output " + path("out"));
+  const Outcome o = run("rough.yaml --methods talus --output out");
   ASSERT_EQ(o.code, 0) << o.text;
-  const std::string page = read("out/tables.md");
+  const std::string page = text("out/tables.md");
   const auto cells_of = [&](std::size_t from)
   {
     std::istringstream line(page.substr(from, page.find('\n', from) - from));
@@ -94,7 +93,7 @@ TEST_F(TalusCompare, ShowsInEachColumnOfTheFillsWhatItsHeadingSays)
   ASSERT_NE(table, std::string::npos) << page;
   const auto headings = cells_of(table), shown = cells_of(page.find("\n| bgk |", table) + 1);
   ASSERT_EQ(headings.size(), shown.size());
-  const auto bgk = nlohmann::json::parse(read("out/comparison.json"))["worlds"][0]["fills"]["bgk"];
+  const auto bgk = comparison()["worlds"][0]["fills"]["bgk"];
   std::set<double> different;
   for (const char* name : {"seen", "two_sided", "one_sided"})
   {
@@ -113,15 +112,11 @@ TEST_F(TalusCompare, GivesTheSameFiguresForTheLogOfAWorldAsForTheWorld)
 {
   write_small_log();
   const std::string methods = " --methods talus --output ";
-  ASSERT_EQ(run(path("small.yaml") + methods + path("a")).code, 0);
-  const Outcome b =
-      run(path("log/small.rawlog") + " --world " + path("small.yaml") + methods + path("b"));
+  ASSERT_EQ(run("small.yaml" + methods + "a").code, 0);
+  const Outcome b = run("log/small.rawlog --world small.yaml" + methods + "b");
   ASSERT_EQ(b.code, 0) << b.text;
-  const auto figure = [&](const std::string& folder, const std::string& name)
-  {
-    return nlohmann::json::parse(
-               read(folder + "/comparison.json"))["worlds"][0]["methods"]["talus"][name]
-        .get<double>();
+  const auto figure = [&](const std::string& folder, const std::string& name) {
+    return json(folder + "/comparison.json")["worlds"][0]["methods"]["talus"][name].get<double>();
   };
   for (const char* name : {"measured_ground_rmse_m", "coverage_measured", "reach"})
     EXPECT_NEAR(figure("a", name), figure("b", name), 1e-4) << name;  // poses rounded in the log
@@ -132,7 +127,7 @@ TEST_F(TalusCompare, LeavesOutAScanWhosePoseIsNowhere)
   write_small_log();
   const auto with_x = [&](const std::string& x)
   {
-    std::istringstream lines(read("log/small.tum"));
+    std::istringstream lines(text("log/small.tum"));
     std::string line, text, stamp, old;
     for (int i = 0; std::getline(lines, line); ++i)
     {
@@ -143,13 +138,12 @@ TEST_F(TalusCompare, LeavesOutAScanWhosePoseIsNowhere)
     }
     std::ofstream(path("bad.tum")) << text;
     return run(
-        path("log/small.rawlog") + " --trajectory " + path("bad.tum") +
-        " --quiet --evaluate 1 --set resolution_m=0.1 --output " + path("out"));
+        "log/small.rawlog --trajectory bad.tum" +
+        " --quiet --evaluate 1 --set resolution_m=0.1 --output out");
   };
   const Outcome nowhere = with_x("1e300");
   EXPECT_EQ(nowhere.code, 0) << nowhere.text;
-  EXPECT_NE(nowhere.text.find("small.rawlog: 1 scan was skipped"), std::string::npos)
-      << nowhere.text;
+  EXPECT_SAYS(nowhere.text, "small.rawlog: 1 scan was skipped");
   const Outcome far_off = with_x("900000");  // a grid over the whole way would take 1 TB
   EXPECT_EQ(far_off.code, 0) << far_off.text;
   EXPECT_EQ(far_off.text, "");
@@ -158,10 +152,9 @@ TEST_F(TalusCompare, LeavesOutAScanWhosePoseIsNowhere)
 TEST_F(TalusCompare, HoldsPointsOutOfALogWithoutTruth)
 {
   write_small_log();
-  const Outcome o =
-      run(path("log/small.rawlog") + " --methods talus --beams 16 --output " + path("out"));
+  const Outcome o = run("log/small.rawlog --methods talus --beams 16 --output out");
   ASSERT_EQ(o.code, 0) << o.text;
-  const auto json = nlohmann::json::parse(read("out/comparison.json"));
+  const auto json = comparison();
   EXPECT_GT(json["held_out"][0]["fills"]["bgk"]["all_n"], 100);
   EXPECT_LT(json["held_out"][0]["fills"]["talus"]["all_median_m"], 0.03);
   EXPECT_GT(json["held_out"][0]["heights"]["measured"]["all"]["n"], 100);
@@ -176,13 +169,12 @@ class TalusCompareLabels : public TalusCompare
   {
     TalusCompare::SetUp();
     write_small_log();
-    const Outcome map = run_command(
-        std::string(TALUS_MAP_EXE) + " " + log_ + " --no-site --output " + path("map") +
-        " --labels " + path("labels"));
+    const Outcome map =
+        shell(std::string(TALUS_MAP_EXE) + " " + log_ + " --no-site --output map --labels labels");
     ASSERT_EQ(map.code, 0) << map.text;
     for (int scan = 0; scan < 11; ++scan)
     {
-      std::string bytes = read("labels/" + name_of(scan));
+      std::string bytes = text("labels/" + name_of(scan));
       ASSERT_GT(bytes.size(), 4000U);
       for (std::size_t i = 0; i < bytes.size(); i += 4) bytes[i] = bytes[i] == 1 ? 40 : 50;
       std::ofstream(path("labels/" + name_of(scan)), std::ios::binary) << bytes;
@@ -194,62 +186,62 @@ class TalusCompareLabels : public TalusCompare
   }
   Outcome compare(const std::string& more) const
   {
-    return run(log_ + " --evaluate 1 --methods talus --output " + path("out") + " " + more);
+    return run(log_ + " --evaluate 1 --methods talus --output out " + more);
   }
 
-  const std::string log_ = path("log/small.rawlog");
+  const std::string log_ = "log/small.rawlog";
 };
 
 TEST_F(TalusCompareLabels, AreScoredByPointAndScan)
 {
-  const Outcome o = compare("--labels " + path("labels"));
+  const Outcome o = compare("--labels labels");
   ASSERT_EQ(o.code, 0) << o.text;
-  EXPECT_NE(o.text.find("points labelled as ground"), std::string::npos) << o.text;
-  const auto labels = nlohmann::json::parse(read("out/comparison.json"))["labels"];
+  EXPECT_SAYS(o.text, "points labelled as ground");
+  const auto labels = comparison()["labels"];
   ASSERT_EQ(labels.size(), 2U);
   EXPECT_EQ(labels[0]["f1"], 1) << "those of the same map";
   EXPECT_EQ(labels[0]["scans"], 11);
   EXPECT_EQ(labels[0]["alone"], false);
   EXPECT_GT(labels[1]["f1"], 0.98);
   EXPECT_LT(labels[1]["f1"], 1);
-  const std::string csv = read("out/labels.csv");
+  const std::string csv = text("out/labels.csv");
   EXPECT_EQ(
       csv.rfind("log,scans,within,number,points,precision,recall,f1\nsmall,in a row,", 0), 0U);
 }
 
 TEST_F(TalusCompareLabels, BelongToTheScansOfTheLogByTheirNumber)
 {
-  std::string tum = read("log/small.tum");
+  std::string tum = text("log/small.tum");
   const auto first = tum.find("\n1") + 1;  // a line for each pose, with its stamp
   tum.erase(0, tum.find('\n', first) + 1);
   std::ofstream(path("late.tum")) << tum;
   std::ofstream(path("labels/000000.label")) << "of the scan that has no pose now";
-  const std::string more = "--trajectory " + path("late.tum") + " --labels " + path("labels");
+  const std::string more = "--trajectory late.tum --labels labels";
   const Outcome late = compare(more);
   ASSERT_EQ(late.code, 0) << late.text;
-  const auto labels = nlohmann::json::parse(read("out/comparison.json"))["labels"];
+  const auto labels = comparison()["labels"];
   EXPECT_EQ(labels[0]["scans"], 10);
   EXPECT_GT(labels[0]["f1"], 0.98);
   fs::remove(path("labels/000010.label"));
   const Outcome all = compare(more);
   EXPECT_EQ(all.code, 1);
-  EXPECT_NE(all.text.find("labels/000010.label"), std::string::npos) << all.text;
+  EXPECT_SAYS(all.text, "labels/000010.label");
 }
 
 TEST_F(TalusCompareLabels, ThatCannotBeThoseOfTheLogAreRefused)
 {
   const auto fails = [&](const std::string& because)
   {
-    const Outcome o = compare("--labels " + path("labels"));
+    const Outcome o = compare("--labels labels");
     EXPECT_EQ(o.code, 1) << o.text;
-    EXPECT_NE(o.text.find(because), std::string::npos) << o.text;
-    EXPECT_FALSE(fs::exists(path("out"))) << because;
+    EXPECT_SAYS(o.text, because);
+    EXPECT_FALSE(exists("out")) << because;
   };
   std::ofstream(path("labels/000003.label"), std::ios::app) << "more";
   fails("000003.label: has ");
   for (int scan = 0; scan < 11; ++scan)
   {
-    std::string bytes = read("labels/" + name_of(scan));
+    std::string bytes = text("labels/" + name_of(scan));
     if (scan == 3) bytes.resize(bytes.size() - 4);
     std::replace(bytes.begin(), bytes.end(), static_cast<char>(40), static_cast<char>(1));
     std::ofstream(path("labels/" + name_of(scan)), std::ios::binary) << bytes;
@@ -262,38 +254,37 @@ TEST_F(TalusCompareLabels, ThatCannotBeThoseOfTheLogAreRefused)
 TEST_F(TalusCompareLabels, AreForOneLogAndForTalus)
 {
   for (const std::string& rest :
-       {log_ + " --methods octomap", log_ + " --methods talus --world " + path("small.yaml"),
-        log_ + " " + log_ + " --methods talus", path("small.yaml") + " --methods talus"})
+       {log_ + " --methods octomap", log_ + " --methods talus --world small.yaml",
+        log_ + " " + log_ + " --methods talus", "small.yaml --methods talus"})
   {
-    const Outcome o = run(rest + " --labels " + path("labels") + " --output " + path("out"));
+    const Outcome o = run(rest + " --labels labels --output out");
     EXPECT_EQ(o.code, 2) << rest;
-    EXPECT_NE(o.text.find("--labels"), std::string::npos) << o.text;
+    EXPECT_SAYS(o.text, "--labels");
   }
 }
 
 TEST_F(TalusCompare, TakesSoManyFramesOfALogAsOfAWorld)
 {
   write_small_log();
-  const std::string rest = " --methods talus --evaluate 1 --frames 4 --output " + path("out");
+  const std::string rest = " --methods talus --evaluate 1 --frames 4 --output out";
   for (const char* input : {"small.yaml", "log/small.rawlog"})
   {
     const Outcome o = run(path(input) + rest);
     ASSERT_EQ(o.code, 0) << o.text;
-    EXPECT_EQ(nlohmann::json::parse(read("out/comparison.json"))["worlds"][0]["frames"], 4)
-        << input;
+    EXPECT_EQ(comparison()["worlds"][0]["frames"], 4) << input;
   }
 }
 
 TEST_F(TalusCompare, RefusesAnOptionThatWouldDoNothing)
 {
   write_small_log();
-  const std::string world = path("small.yaml"), log = path("log/small.rawlog");
+  const std::string world = "small.yaml", log = "log/small.rawlog";
   const auto refused = [&](const std::string& inputs, const std::string& option)
   {
-    const Outcome o = run(inputs + " " + option + " --output " + path("out"));
+    const Outcome o = run(inputs + " " + option + " --output out");
     EXPECT_EQ(o.code, 2) << o.text;
-    EXPECT_NE(o.text.find(option.substr(0, option.find(' '))), std::string::npos) << o.text;
-    EXPECT_FALSE(fs::exists(path("out"))) << option;
+    EXPECT_SAYS(o.text, option.substr(0, option.find(' ')));
+    EXPECT_FALSE(exists("out")) << option;
   };
   for (const char* option :
        {"--scanner VLP-16", "--seed 3", "--noise 0.1", "--pose-noise 0.1", "--z-drift 0.1"})
@@ -309,43 +300,29 @@ TEST_F(TalusCompare, RefusesAnOptionThatWouldDoNothing)
 TEST_F(TalusCompare, SaysOfALogWithoutTruthOnlyWhatThereIs)
 {
   write_small_log();
-  const Outcome o =
-      run(path("log/small.rawlog") + " --methods talus --evaluate 1 --frames 3 --output " +
-          path("out"));
+  const Outcome o = run("log/small.rawlog --methods talus --evaluate 1 --frames 3 --output out");
   ASSERT_EQ(o.code, 0) << o.text;
   EXPECT_EQ(o.text.rfind("talus-compare: small: 1 method\n", 0), 0U) << o.text;
   for (const char* absent : {"budget", "hang pass", "precision", "mover"})
   {
-    EXPECT_EQ(o.text.find(absent), std::string::npos) << o.text;
-    EXPECT_EQ(read("out/tables.md").find(absent), std::string::npos) << read("out/tables.md");
+    EXPECT_SAYS_NOT(o.text, absent);
+    EXPECT_SAYS_NOT(text("out/tables.md"), absent);
   }
-  EXPECT_NE(o.text.find("known %"), std::string::npos) << o.text;
-  EXPECT_NE(o.text.find("unjudged"), std::string::npos) << o.text;
+  EXPECT_SAYS(o.text, "known %");
+  EXPECT_SAYS(o.text, "unjudged");
 }
 
-TEST_F(TalusCompare, RefusesToWriteOverOtherFilesBeforeItDoesAnything)
+TEST_F(TalusCompare, WritesAllFilesOrNoneAndNoneOverAnInput)
 {
-  const auto fails = [&](const std::string& arguments, const std::string& because)
-  {
-    const Outcome o = run(arguments + " --methods talus");
-    EXPECT_EQ(o.code, 1) << arguments;
-    EXPECT_NE(o.text.find(because), std::string::npos) << o.text;
-    EXPECT_EQ(o.text.find("budgets"), std::string::npos) << "compared first: " << o.text;
-  };
-  const std::string to = " --output " + path("out"), world = read("small.yaml");
-  std::ofstream(path("fills.csv.yaml")) << world;
-  fs::create_directories(path("out"));
-  fs::create_symlink(path("fills.csv.yaml"), path("out/fills.csv"));
-  fails(path("fills.csv.yaml") + to, "is an input");
-}
-
-TEST_F(TalusCompare, WritesAllFilesOrNone)
-{
+  write("fills.csv.yaml", text("small.yaml"));
   fs::create_directories(path("out/maps.png"));  // a folder where a file should go
-  const Outcome o = run(path("small.yaml") + " --methods talus --output " + path("out"));
-  EXPECT_EQ(o.code, 1);
-  EXPECT_FALSE(fs::exists(path("out/methods.csv")));
-  EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1) << "hidden files are left";
+  fs::create_symlink(path("fills.csv.yaml"), path("out/fills.csv"));
+  const Outcome o = run("fills.csv.yaml --output out --methods talus");
+  talus::test::expect_end(o, 1, {"is an input"});
+  EXPECT_SAYS_NOT(o.text, "budgets") << "compared first";
+  fails("small.yaml --methods talus --output out", 1, {"maps.png"});
+  EXPECT_FALSE(exists("out/methods.csv"));
+  EXPECT_EQ(hidden("out"), 0);
 }
 
 TEST_F(TalusCompare, LeavesNothingBehindWhenItIsStopped)
@@ -362,91 +339,48 @@ TEST_F(TalusCompare, LeavesNothingBehindWhenItIsStopped)
       ::_exit(99);
     }
     // Stopped once its hidden folder is there.
-    const auto begun = [&] { return fs::exists(path("out")) && hidden_in(path("out")) > 0; };
+    const auto begun = [&] { return exists("out") && hidden("out") > 0; };
     for (int i = 0; i < 3000 && !begun(); ++i) ::usleep(10000);
-    EXPECT_EQ(hidden_in(path("out")), 1);
+    EXPECT_EQ(hidden("out"), 1);
     ::kill(command, signal);
     int status = 0;
     ::waitpid(command, &status, 0);
-    EXPECT_EQ(WEXITSTATUS(status), 128 + signal) << read("log.txt");
-    EXPECT_NE(read("log.txt").find("nothing was written"), std::string::npos) << read("log.txt");
-    EXPECT_FALSE(fs::exists(path("out")));
-    EXPECT_EQ(hidden_in(path("")), 0);
+    EXPECT_EQ(WEXITSTATUS(status), 128 + signal) << text("log.txt");
+    EXPECT_SAYS(text("log.txt"), "nothing was written");
+    EXPECT_FALSE(exists("out"));
+    EXPECT_EQ(hidden(), 0);
   }
 }
 
-TEST_F(TalusCompare, WritesAFolderThatIsNotUtf8)
+TEST_F(TalusCompare, NamesTheParameterTheConfigurationOrTheOptionThatIsWrong)
 {
-  const std::string out = path("m\xfcll");
-  const Outcome o = run(path("small.yaml") + " --methods talus --quiet --output '" + out + "'");
-  EXPECT_EQ(o.code, 0) << o.text;
-  EXPECT_EQ(nlohmann::json::parse(read("m\xfcll/comparison.json"))["worlds"].size(), 1U);
-}
-
-TEST_F(TalusCompare, RefusesWhatIsNoNumberInRange)
-{
-  for (const char* wrong :
-       {"--noise nan", "--pose-noise nan", "--z-drift nan", "--seed -1", "--config ''"})
-    EXPECT_EQ(run(path("small.yaml") + " --output " + path("out") + " " + wrong).code, 2) << wrong;
-  EXPECT_FALSE(fs::exists(path("out")));
-}
-
-TEST_F(TalusCompare, TakesParametersFromTheCommandLine)
-{
-  const Outcome o =
-      run(path("small.yaml") +
-          " --methods talus --set resolution_m=0.1 --set fill_samples=4 "
-          "--output " +
-          path("out"));
-  EXPECT_EQ(o.code, 0) << o.text;
-  const Outcome bad =
-      run(path("small.yaml") + " --set fill_samples=guess --output " + path("out2"));
-  EXPECT_EQ(bad.code, 1);
-  EXPECT_NE(bad.text.find("a number from 1 to 16"), std::string::npos) << bad.text;
-  EXPECT_FALSE(fs::exists(path("out2")));
-}
-
-TEST_F(TalusCompare, TakesAConfigurationAsTalusMapDoes)
-{
-  const auto fails = [&](const std::string& ini, const std::string& because)
+  const std::string one = "small.yaml --output out ";
+  const auto refuses = [&](const std::string& ini, const std::string& because)
   {
-    std::ofstream(path("m.ini")) << ini;
-    const Outcome o =
-        run(path("small.yaml") + " --config " + path("m.ini") + " --set window=5000 --output " +
-            path("out"));
-    EXPECT_EQ(o.code, 1) << ini;
-    EXPECT_NE(o.text.find(because), std::string::npos) << o.text;
-    EXPECT_FALSE(fs::exists(path("out")));
+    write("m.ini", ini);
+    fails(one + "--config m.ini --set window=5000", 1, {because});
   };
   const std::string section = "[map_CDualElevationMap_00_insertOpts]\n";
-  fails("[Other]\nwindow_m = 4\n", "m.ini: has neither a section");
-  fails(section + "window_m 4\n", "m.ini:2: 'window_m 4' has no '='");
-  fails(section + "resolution_m = 0.1\n", "5000 m at resolution_m = 0.1 m");
+  refuses("[Other]\nwindow_m = 4\n", "m.ini: has neither a section");
+  refuses(section + "window_m 4\n", "m.ini:2: 'window_m 4' has no '='");
+  refuses(section + "resolution_m = 0.1\n", "5000 m at resolution_m = 0.1 m");
+  fails(one + "--set fill_samples=guess", 1, {"a number from 1 to 16"});
+  fails(one + "--methods talus,grid", 1, {"heightgrid"});
+  for (const char* wrong :
+       {"--noise nan", "--pose-noise nan", "--z-drift nan", "--seed -1", "--config ''",
+        "--no-such-option"})
+    fails(one + wrong, 2, {});
+  EXPECT_FALSE(exists("out"));
+  fails("", 2, {});
+  fails("--help", 0, {"Examples"});
 }
 
-TEST_F(TalusCompare, ExitsWithOneWhenAnInputFailsAndStillDoesTheOthers)
+TEST_F(TalusCompare, DoesTheOtherInputsWhereOneFailsIntoAFolderThatIsNotUtf8)
 {
-  const Outcome o = run(
-      path("nowhere.yaml") + " " + path("small.yaml") + " --methods talus --output " + path("out"));
-  EXPECT_EQ(o.code, 1);
-  EXPECT_NE(o.text.find("nowhere.yaml"), std::string::npos);
-  EXPECT_TRUE(fs::exists(path("out/comparison.json")));
-}
-
-TEST_F(TalusCompare, ExitsWithTwoForWrongUsageAndZeroForHelp)
-{
-  EXPECT_EQ(run("").code, 2);
-  EXPECT_EQ(run(path("small.yaml") + " --output x --no-such-option").code, 2);
-  const Outcome help = run("--help");
-  EXPECT_EQ(help.code, 0);
-  EXPECT_NE(help.text.find("Examples"), std::string::npos);
-}
-
-TEST_F(TalusCompare, NamesTheKnownMethodsWhenOneIsUnknown)
-{
-  const Outcome o = run(path("small.yaml") + " --methods talus,grid --output " + path("out"));
-  EXPECT_EQ(o.code, 1);
-  EXPECT_NE(o.text.find("heightgrid"), std::string::npos);
+  fails(
+      "nowhere.yaml small.yaml --methods talus --set resolution_m=0.1 --output 'm\xfcll'", 1,
+      {"nowhere.yaml"});
+  EXPECT_EQ(json("m\xfcll/comparison.json")["worlds"].size(), 1U);
 }
 
 }  // namespace

@@ -16,11 +16,10 @@ class TalusCompareExpected : public ComparedWorlds
   }
   Outcome compare(const std::string& options) const
   {
-    return run(
-        path("worlds/odd/wall.yaml") + " --methods talus --output " + path("out") + " " + options);
+    return run("worlds/odd/wall.yaml --methods talus --output out " + options);
   }
   std::string file() const { return path("worlds/expected_failures.tsv"); }
-  std::string noted() const { return read("worlds/expected_failures.tsv"); }
+  std::string noted() const { return text("worlds/expected_failures.tsv"); }
   void note(const std::string& text) const { std::ofstream(file()) << text; }
   /** The text with the value of the row `reach`, moved by so much, and another reason. */
   std::string with_reach(double by) const
@@ -50,15 +49,15 @@ TEST_F(TalusCompareExpected, WhatWasAcceptedIsExpectedAndAnythingElseFails)
   EXPECT_EQ(same.code, 0) << same.text;
   EXPECT_TRUE(has(same.text, "as expected (*), 0 new or clearly worse (!)")) << same.text;
   EXPECT_TRUE(
-      std::regex_search(read("out/tables.md"), std::regex(R"(\| reach \|[^|]*\| [0-9.]+\* \|)")))
-      << read("out/tables.md");
+      std::regex_search(text("out/tables.md"), std::regex(R"(\| reach \|[^|]*\| [0-9.]+\* \|)")))
+      << text("out/tables.md");
 
   note(with_reach(0.02));
   const Outcome worse = compare("--check");
   EXPECT_EQ(worse.code, 1) << worse.text;
   EXPECT_TRUE(has(worse.text, "New or clearly worse:\n\n- wall reach: ")) << worse.text;
   EXPECT_TRUE(
-      std::regex_search(read("out/tables.md"), std::regex(R"(\| reach \|[^|]*\| [0-9.]+! \|)")));
+      std::regex_search(text("out/tables.md"), std::regex(R"(\| reach \|[^|]*\| [0-9.]+! \|)")));
   EXPECT_EQ(compare("").code, 0) << "nobody asked for the check";
 }
 
@@ -98,8 +97,7 @@ TEST_F(TalusCompareExpected, OfTheWorldsThatComeWithItAllFailuresAreNoted)
 {
   const std::string worlds = TALUS_SOURCE_DIR "/datasets/worlds/";
   const Outcome o =
-      run(worlds + "table.yaml " + worlds + "ditch.yaml --methods talus --check --output " +
-          path("out"));
+      run(worlds + "table.yaml " + worlds + "ditch.yaml --methods talus --check --output out");
   EXPECT_EQ(o.code, 0) << o.text << "what is meant: ./dev compare --accept";
 }
 

@@ -6,16 +6,14 @@ namespace
 class TalusCompareRules : public ComparedWorlds
 {
  protected:
-  nlohmann::json comparison() const { return nlohmann::json::parse(read("out/comparison.json")); }
-
   /** `command` is one of the two executables, with variables of the environment before it. */
   Outcome run(
       const std::string& command, const std::string& arguments,
       const std::string& methods = "talus") const
   {
-    return run_command(
-        command + " " + path("small.yaml") + " --evaluate 1 --frames 5 --methods " + methods +
-        " --output " + path("out") + " " + arguments);
+    return shell(
+        command + " small.yaml --evaluate 1 --frames 5 --methods " + methods + " --output " +
+        "out " + arguments);
   }
 
   /** The numbers of all rules that have a switch, "1,2,..." */
@@ -38,7 +36,7 @@ TEST_F(TalusCompareRules, WithoutItsRulesTheMapIsAnotherOneAndTheTablesNameThem)
   ASSERT_EQ(run(TALUS_COMPARE_SWITCHED_EXE, "").code, 0);
   const auto all = comparison();
   EXPECT_EQ(all["without_rules"], nlohmann::json::array());
-  EXPECT_EQ(read("out/tables.md").find("Without rule"), std::string::npos);
+  EXPECT_SAYS_NOT(text("out/tables.md"), "Without rule");
 
   const std::string rules = rules_with_switch();
   const Outcome o = run(TALUS_COMPARE_SWITCHED_EXE, "--without " + rules);
@@ -47,8 +45,8 @@ TEST_F(TalusCompareRules, WithoutItsRulesTheMapIsAnotherOneAndTheTablesNameThem)
   EXPECT_NE(none["worlds"][0]["methods"], all["worlds"][0]["methods"]);
   EXPECT_EQ(none["without_rules"], nlohmann::json::parse("[" + rules + "]"));
   const std::string words = "Without rules " + rules.substr(0, rules.find(',')) + ", ";
-  EXPECT_NE(o.text.find(words), std::string::npos) << o.text;
-  EXPECT_NE(read("out/tables.md").find(words), std::string::npos) << read("out/tables.md");
+  EXPECT_SAYS(o.text, words);
+  EXPECT_SAYS(text("out/tables.md"), words);
 }
 
 TEST_F(TalusCompareRules, AlsoSaysSoWhereTheEnvironmentNamesThem)
@@ -57,7 +55,7 @@ TEST_F(TalusCompareRules, AlsoSaysSoWhereTheEnvironmentNamesThem)
   const Outcome o = run("TALUS_WITHOUT_RULES=" + last + " " TALUS_COMPARE_SWITCHED_EXE, "");
   ASSERT_EQ(o.code, 0) << o.text;
   EXPECT_EQ(comparison()["without_rules"], nlohmann::json::parse("[" + last + "]"));
-  EXPECT_NE(o.text.find("Without rule " + last + "."), std::string::npos) << o.text;
+  EXPECT_SAYS(o.text, "Without rule " + last + ".");
 }
 
 TEST_F(TalusCompareRules, RefusesWhatIsNoRuleOrOfNoUse)
@@ -65,11 +63,11 @@ TEST_F(TalusCompareRules, RefusesWhatIsNoRuleOrOfNoUse)
   for (const char* wrong : {"--without x", "--without 99", "--without -1"})
   {
     EXPECT_EQ(run(TALUS_COMPARE_SWITCHED_EXE, wrong).code, 2) << wrong;
-    EXPECT_FALSE(fs::exists(path("out"))) << wrong;
+    EXPECT_FALSE(exists("out")) << wrong;
   }
   const Outcome o = run(TALUS_COMPARE_SWITCHED_EXE, "--without 1", "paper");
   EXPECT_EQ(o.code, 2) << o.text;
-  EXPECT_NE(o.text.find("--without is for talus"), std::string::npos) << o.text;
+  EXPECT_SAYS(o.text, "--without is for talus");
 }
 
 TEST_F(TalusCompareRules, ABuildWithoutSwitchesSaysWhichBuildHasThem)
@@ -79,8 +77,8 @@ TEST_F(TalusCompareRules, ABuildWithoutSwitchesSaysWhichBuildHasThem)
 #endif
   const Outcome o = run(TALUS_COMPARE_EXE, "--without 1");
   EXPECT_EQ(o.code, 2) << o.text;
-  EXPECT_NE(o.text.find("-DTALUS_RULE_SWITCHES=ON"), std::string::npos) << o.text;
-  EXPECT_FALSE(fs::exists(path("out")));
+  EXPECT_SAYS(o.text, "-DTALUS_RULE_SWITCHES=ON");
+  EXPECT_FALSE(exists("out"));
 }
 
 }  // namespace

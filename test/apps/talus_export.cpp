@@ -22,27 +22,20 @@ using namespace talus::test;
 
 namespace
 {
-class TalusExport : public testing::Test
+class TalusExport : public CommandTest
 {
  protected:
   TalusExport() { io::write_geotiff(dir_ / "site.tif", small_terrain()); }
-  CommandEnd shell(const std::string& command) const { return run_in(dir_ / "", command); }
   CommandEnd run(const std::string& arguments) const
   {
     return shell(TALUS_EXPORT_EXE " " + arguments);
   }
-  void runs(const std::string& arguments) const
-  {
-    const CommandEnd o = run(arguments);
-    ASSERT_EQ(o.code, 0) << o.text;
-  }
+  void runs(const std::string& arguments) const { done(TALUS_EXPORT_EXE " " + arguments); }
   void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
   {
     expect_end(run(arguments), code, words);
   }
   bool has(const std::string& program) const { return shell("command -v " + program).code == 0; }
-
-  ScratchDir dir_;
 };
 
 /** Cells that are occupied, free, and neither. */
@@ -60,18 +53,65 @@ std::array<int, 3> counts(const mrpt::maps::COccupancyGridMap2D& grid)
 const std::array<int, 3> kCounts{
     kSmallTerrainBox, kSmallTerrainJudged - kSmallTerrainBox, 60 * 40 - kSmallTerrainJudged};
 
-TEST_F(TalusExport, mrpt_reads_the_map_of_ros)
+TEST_F(TalusExport, stock_programs_find_the_cells_of_the_map_in_each_format)
 {
-  runs("site.tif --to ros");
+  fails("site.tif --to gridmap", 2, {"is called occupancy"});
+  runs("site.tif --to ros,occupancy,octomap,ply,heightmap,qgis,html --output a/b");
+  for (const char* name : {"site_height.png", "site_height.json", "site.qml", "site.html"})
+    EXPECT_TRUE(exists("a/b/" + std::string(name))) << name;
+
   mrpt::maps::COccupancyGridMap2D grid;
-  ASSERT_TRUE(grid.loadFromROSMapServerYAML(dir_ / "site.yaml"));
+  ASSERT_TRUE(grid.loadFromROSMapServerYAML(path("a/b/site.yaml")));
   EXPECT_EQ(grid.getSizeX(), 60U);
   EXPECT_NEAR(grid.getXMin(), -1, 0.06);
   EXPECT_NEAR(grid.getYMin(), 2, 0.06);
-  const auto n = counts(grid);
-  EXPECT_EQ(n[0], kCounts[0]);
+  EXPECT_EQ(counts(grid)[0], kCounts[0]);
   EXPECT_LT(grid.getPos(1.05F, 3.05F), 0.1F) << "the box is where it is in the GeoTIFF";
   EXPECT_GT(grid.getPos(0.05F, 3.05F), 0.9F);
+
+  const cv::Mat picture = cv::imread(path("a/b/site.pgm"), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(picture.size(), cv::Size(60, 40));
+  std::array<int, 3> n{};
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x)
+    {
+      const double occupied = (255 - picture.at<uchar>(y, x)) / 255.0;  // as map_server, trinary
+      ++n[occupied > 0.65 ? 0 : occupied < 0.196 ? 1 : 2];
+    }
+  EXPECT_EQ(n, kCounts);
+  EXPECT_EQ(picture.at<uchar>(39 - 12, 22), 0) << "its last row is the southernmost";
+
+  mrpt::io::CFileGZInputStream stream(path("a/b/site.gridmap.gz"));
+  mrpt::serialization::archiveFrom(stream) >> grid;
+  EXPECT_EQ(counts(grid), kCounts);
+
+  const octomap::OcTree tree(path("a/b/site.bt"));
+  int leaves = 0, voxels = 0;
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf)
+  {
+    if (!tree.isNodeOccupied(*leaf)) continue;
+    const auto side = static_cast<int>(std::lround(leaf.getSize() / tree.getResolution()));
+    voxels += side * side * side;
+    ++leaves;
+  }
+  EXPECT_EQ(voxels, kSmallTerrainJudged + 5 * kSmallTerrainBox)
+      << "the ground, and five above each of the box";
+  if (has("bt2vrml"))
+  {
+    EXPECT_SAYS(
+        shell("bt2vrml a/b/site.bt").text,
+        "Finished writing " + std::to_string(leaves) + " voxels");
+  }
+
+  mrpt::maps::CSimplePointsMap points;
+  ASSERT_TRUE(points.loadFromPlyFile(path("a/b/site.ply")));
+  EXPECT_EQ(points.size(), std::size_t{50 * 40 + 4 * kSmallTerrainBox + 2 * (20 + 20)});
+  if (has("assimp"))
+  {
+    EXPECT_SAYS(
+        shell("assimp info a/b/site.ply").text,
+        "Faces:              " + std::to_string(kSmallTerrainFaces));
+  }
 }
 
 TEST_F(TalusExport, a_name_of_a_map_is_one_value_of_its_yaml)
@@ -80,25 +120,9 @@ TEST_F(TalusExport, a_name_of_a_map_is_one_value_of_its_yaml)
   std::filesystem::rename(dir_ / "site.tif", dir_ / (name + ".tif"));
   runs("'" + name + ".tif' --to ros");
   const std::string yaml = read_bytes(dir_ / (name + ".yaml"));
-  EXPECT_NE(yaml.find("image: \"hall #2\\nnegate: 1.pgm\""), std::string::npos) << yaml;
+  EXPECT_SAYS(yaml, "image: \"hall #2\\nnegate: 1.pgm\"");
   mrpt::maps::COccupancyGridMap2D grid;
   EXPECT_TRUE(grid.loadFromROSMapServerYAML(dir_ / (name + ".yaml")));
-}
-
-TEST_F(TalusExport, map_server_finds_the_same_cells_in_the_map_of_ros)
-{
-  runs("site.tif --to ros");
-  const cv::Mat picture = cv::imread(dir_ / "site.pgm", cv::IMREAD_UNCHANGED);
-  ASSERT_EQ(picture.size(), cv::Size(60, 40));
-  std::array<int, 3> n{};
-  for (int y = 0; y < picture.rows; ++y)
-    for (int x = 0; x < picture.cols; ++x)
-    {
-      const double occupied = (255 - picture.at<uchar>(y, x)) / 255.0;  // its formula, trinary
-      ++n[occupied > 0.65 ? 0 : occupied < 0.196 ? 1 : 2];
-    }
-  EXPECT_EQ(n, kCounts);
-  EXPECT_EQ(picture.at<uchar>(39 - 12, 22), 0) << "its last row is the southernmost";
 }
 
 TEST_F(TalusExport, scale_tells_how_well_a_free_cell_drives_and_what_is_unknown)
@@ -111,65 +135,7 @@ TEST_F(TalusExport, scale_tells_how_well_a_free_cell_drives_and_what_is_unknown)
   EXPECT_EQ(at(10, 12)[0], 91 + 130) << "0.8 of the way from what is nearly blocked to free";
   EXPECT_EQ(at(10, 12)[3], 255);
   EXPECT_EQ(at(55, 12)[3], 0);
-  EXPECT_NE(read_bytes(dir_ / "site.yaml").find("mode: scale"), std::string::npos);
-}
-
-TEST_F(TalusExport, mrpt_reads_the_occupancy_grid)
-{
-  fails("site.tif --to gridmap", 2, {"is called occupancy"});
-  runs("site.tif --to occupancy --output out");
-  mrpt::io::CFileGZInputStream stream(dir_ / "out/site.gridmap.gz");
-  mrpt::maps::COccupancyGridMap2D grid;
-  mrpt::serialization::archiveFrom(stream) >> grid;
-  EXPECT_EQ(counts(grid), kCounts);
-}
-
-TEST_F(TalusExport, octomap_tools_read_the_tree)
-{
-  runs("site.tif --to octomap");
-  if (!has("bt2vrml")) GTEST_SKIP() << "bt2vrml is not installed: octomap-tools";
-  const octomap::OcTree tree(dir_ / "site.bt");
-  int leaves = 0, voxels = 0;
-  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf)
-  {
-    if (!tree.isNodeOccupied(*leaf)) continue;
-    const auto side = static_cast<int>(std::lround(leaf.getSize() / tree.getResolution()));
-    voxels += side * side * side;
-    ++leaves;
-  }
-  EXPECT_EQ(voxels, kSmallTerrainJudged + 5 * kSmallTerrainBox)
-      << "the ground, and five above each of the box";
-  const CommandEnd o = shell("bt2vrml site.bt");
-  const std::string words = "Finished writing " + std::to_string(leaves) + " voxels";
-  EXPECT_NE(o.text.find(words), std::string::npos) << o.text;
-}
-
-TEST_F(TalusExport, assimp_reads_the_mesh)
-{
-  runs("site.tif --to ply");
-  if (!has("assimp")) GTEST_SKIP() << "assimp is not installed: assimp-utils";
-  const CommandEnd o = shell("assimp info site.ply");
-  EXPECT_EQ(o.code, 0) << o.text;
-  EXPECT_NE(
-      o.text.find("Faces:              " + std::to_string(kSmallTerrainFaces)), std::string::npos)
-      << o.text;
-}
-
-TEST_F(TalusExport, mrpt_reads_the_points_of_the_mesh)
-{
-  runs("site.tif --to ply");
-  mrpt::maps::CSimplePointsMap points;
-  ASSERT_TRUE(points.loadFromPlyFile(dir_ / "site.ply"));
-  EXPECT_EQ(points.size(), std::size_t{50 * 40 + 4 * kSmallTerrainBox + 2 * (20 + 20)});
-}
-
-TEST_F(TalusExport, all_formats_at_once_go_into_the_folder)
-{
-  runs("site.tif --to ros,occupancy,octomap,ply,heightmap,qgis,html --output a/b");
-  for (const char* name :
-       {"site.yaml", "site.pgm", "site.gridmap.gz", "site.bt", "site.ply", "site_height.png",
-        "site_height.json", "site.qml", "site.html"})
-    EXPECT_TRUE(std::filesystem::exists(dir_ / ("a/b/" + std::string(name)))) << name;
+  EXPECT_SAYS(read_bytes(dir_ / "site.yaml"), "mode: scale");
 }
 
 TEST_F(TalusExport, a_site_is_exported_with_its_floors)
@@ -214,7 +180,7 @@ TEST_F(TalusExport, on_a_full_disk_the_good_files_of_before_stay)
     const CommandEnd full =
         shell("ulimit -f 20; " TALUS_EXPORT_EXE " noise/site.tif --output out --to " + format);
     EXPECT_EQ(full.code, 1) << format << full.text;
-    EXPECT_EQ(full.text.find("MRPT"), std::string::npos) << full.text;
+    EXPECT_SAYS_NOT(full.text, "MRPT");
     for (const auto& [file, bytes] : before) EXPECT_TRUE(read_bytes(file) == bytes) << file;
   }
 }
@@ -283,7 +249,7 @@ TEST_F(TalusExport, channels_are_layers_of_the_page)
   io::write_geotiff(dir_ / "channels.tif", map);
   runs("channels.tif --to html");
   const std::string page = read_bytes(dir_ / "channels.html");
-  EXPECT_NE(page.find("\"name\":\"label_standing\""), std::string::npos);
+  EXPECT_SAYS(page, "\"name\":\"label_standing\"");
   const CommandEnd o = shell("/usr/bin/python3 " TALUS_BROWSER_SCRIPT " channels.html");
   if (o.code == 77) GTEST_SKIP() << o.text;
   EXPECT_EQ(o.code, 0) << o.text;

@@ -28,28 +28,21 @@ namespace
 {
 constexpr double kFirst_s = 1700000000.0;
 
-class TalusImport : public testing::Test
+class TalusImport : public CommandTest
 {
  protected:
   CommandEnd run(const std::string& command) const
   {
-    const std::string path = std::string("PATH=") + TALUS_BIN + ":$PATH ";
-    return run_in(dir_ / "", path + command);
+    return shell("PATH=" TALUS_BIN ":$PATH; " + command);
   }
   CommandEnd import(const std::string& arguments) const { return run("talus-import " + arguments); }
   void done(const std::string& command) const
   {
-    const CommandEnd o = run(command);
-    ASSERT_EQ(o.code, 0) << command << "\n" << o.text;
+    CommandTest::done("PATH=" TALUS_BIN ":$PATH; " + command);
   }
   void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
   {
     expect_end(import(arguments), code, words);
-  }
-  void write(const std::string& name, const std::string& bytes) const
-  {
-    fs::create_directories(fs::path(dir_ / name).parent_path());
-    write_bytes(dir_ / name, bytes);
   }
   std::vector<SensorPoints> scans_of(const std::string& log) const
   {
@@ -59,14 +52,6 @@ class TalusImport : public testing::Test
     while (const auto obs = reader.next())
       if (points_from_observation(*obs, points)) all.push_back(points);
     return all;
-  }
-  /** What begins with a dot: left by a run. */
-  int hidden() const
-  {
-    int count = 0;
-    for (const auto& e : fs::directory_iterator(dir_ / ""))
-      count += e.path().filename().string()[0] == '.';
-    return count;
   }
   /** A floor 0.5 m below the scanner. `timed`: each point has its time, of a turn of 0.1 s. */
   static Points floor(bool timed = false)
@@ -107,7 +92,6 @@ class TalusImport : public testing::Test
     write(folder + "/times.txt", times);
   }
   void write_inputs_of_page() const;
-  ScratchDir dir_;
 };
 
 /** `bytes` of doubles: the floor, moved by (east, north, up). */
@@ -280,8 +264,7 @@ TEST_F(TalusImport, gives_scans_that_are_deskewed)
   done("talus-import lidar --mount lidar=0,0,0.5,0,0,0 --output log.rawlog");
   const CommandEnd o = run("talus-map log.rawlog --backend cpu --output map");
   EXPECT_EQ(o.code, 0) << o.text;
-  for (const char* words : {"5 frames, 0 skipped", "4 frames deskewed"})
-    EXPECT_NE(o.text.find(words), std::string::npos) << o.text;
+  for (const char* words : {"5 frames, 0 skipped", "4 frames deskewed"}) EXPECT_SAYS(o.text, words);
 }
 
 TEST_F(TalusImport, tells_what_it_read_and_what_is_missing)
@@ -296,16 +279,22 @@ TEST_F(TalusImport, tells_what_it_read_and_what_is_missing)
        {"out/new/log.rawlog: 2 scans of lidar, 3361 points (1 more are not finite: left out)",
         "poses   none: talus-map needs --trajectory FILE, or --static", "5 a second (--rate)",
         "--mount lidar=", "wrote   out/new/log.rawlog\n"})
-    EXPECT_NE(o.text.find(words), std::string::npos) << o.text;
+    EXPECT_SAYS(o.text, words);
   EXPECT_FALSE(fs::exists(dir_ / "out/new/log.tum"));
   EXPECT_NEAR(scans_of("out/new/log.rawlog")[1].stamp_s, 0.2, 1e-6);
   done("talus-map out/new/log.rawlog --backend cpu --static --output map --quiet");
 
   write("poses.tum", tum(4, 0));
   o = import("lidar --poses poses.tum --output log.rawlog");
-  EXPECT_NE(o.text.find("poses   4 of poses.tum, over 0.6 m"), std::string::npos) << o.text;
-  EXPECT_NE(o.text.find("wrote   log.rawlog and log.tum"), std::string::npos) << o.text;
+  EXPECT_SAYS(o.text, "poses   4 of poses.tum, over 0.6 m");
+  EXPECT_SAYS(o.text, "wrote   log.rawlog and log.tum");
   EXPECT_EQ(import("lidar --output log2.rawlog --quiet").text, "");
+  for (float* v : {p.x.data(), p.y.data(), p.z.data()})
+    for (std::size_t i = 0; i < p.size(); ++i) v[i] *= 2000;  // of a floor twice as large
+  write("mm/0.ply", ply_little(p));
+  o = import("mm --output mm.rawlog");
+  EXPECT_SAYS(o.text, "m: are these millimetres (--scale 0.001)?");
+  EXPECT_SAYS_NOT(import("mm --scale 0.001 --output mm.rawlog").text, "millimetres");
 }
 
 TEST_F(TalusImport, merges_sensors_in_the_order_of_time)
@@ -405,12 +394,9 @@ TEST_F(TalusImport, is_what_commands_of_rawlogs_name_for_scans_of_other_programs
   {
     const CommandEnd o = run(std::string("talus-calibrate ") + source);
     EXPECT_EQ(o.code, 1);
-    EXPECT_NE(
-        o.text.find(std::string("talus-import ") + source + " --output LOG.rawlog"),
-        std::string::npos)
-        << o.text;
+    EXPECT_SAYS(o.text, std::string("talus-import ") + source + " --output LOG.rawlog");
   }
-  EXPECT_NE(run("talus-map drive.bag").text.find("rosbag2rawlog drive.bag"), std::string::npos);
+  EXPECT_SAYS(run("talus-map drive.bag").text, "rosbag2rawlog drive.bag");
   fails("drive.bag --output log.rawlog", 1, {"rosbag2rawlog drive.bag", "doc/import_bags.md"});
 }
 
@@ -451,7 +437,7 @@ TEST_F(TalusImport, keeps_world_coordinates_in_the_map)
   write("utm.ply", floor_in_world(floor(), 585146, 4076825, 152.5));
   const CommandEnd o = run("talus-map utm.ply --backend cpu --output map");
   EXPECT_EQ(o.code, 0) << o.text;
-  EXPECT_NE(o.text.find("585146, 4076825, 152 m is taken off"), std::string::npos) << o.text;
+  EXPECT_SAYS(o.text, "585146, 4076825, 152 m is taken off");
   const auto map = io::read_geotiff(dir_ / "map/map.tif");
   EXPECT_NEAR(map.min_x_m + 4, 585146, 0.1);
   EXPECT_NEAR(map.min_y_m + 4, 4076825, 0.1);
@@ -523,7 +509,7 @@ TEST_F(TalusImport, tells_nothing_false_of_real_scans)
         folder + " --poses " + data + ".tum --mount " + folder + "=" + mounting + " --output " +
         folder + ".rawlog");
     EXPECT_EQ(o.code, 0) << o.text;
-    EXPECT_EQ(o.text.find("  note"), std::string::npos) << o.text;
+    EXPECT_SAYS_NOT(o.text, "  note");
   }
 }
 
@@ -542,7 +528,7 @@ TEST_F(TalusImport, names_the_switches_that_read_bags_which_are_cut_or_have_two_
   fails("none.db3 --partial --output log.rawlog", 1, {"none.db3: no such file"});
   const CommandEnd o = import("log.db3 --partial --output log.rawlog");
   EXPECT_EQ(o.code, 0) << o.text;
-  EXPECT_NE(o.text.find("note    log.db3: is cut"), std::string::npos) << o.text;
+  EXPECT_SAYS(o.text, "note    log.db3: is cut");
   EXPECT_GE(scans_of("log.rawlog").size(), 5u);
 }
 

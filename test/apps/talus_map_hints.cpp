@@ -28,30 +28,24 @@ class TalusMapHints : public HintDrive
 };
 }  // namespace
 
-TEST_F(TalusMapHints, a_sound_drive_has_none)
+TEST_F(TalusMapHints, name_the_parameter_that_is_wrong_and_nothing_of_a_sound_drive)
 {
   write_drive();
   EXPECT_EQ(causes(), kNone);
   EXPECT_TRUE(summary("out")["hints"].empty());
-  EXPECT_EQ(run("drive.rawlog --no-site --strict --output strict").code, 0);
-}
-
-TEST_F(TalusMapHints, a_band_that_ends_above_the_ground)
-{
-  write_drive();
-  EXPECT_EQ(causes("-s min_height_m=-0.5"), only("min_height_m ="));
-}
-
-TEST_F(TalusMapHints, a_band_that_ends_below_what_the_robot_meets)
-{
-  write_drive();
-  EXPECT_EQ(causes("-s max_height_m=-0.75"), only("max_height_m ="));
-}
-
-TEST_F(TalusMapHints, a_window_that_is_too_small)
-{
-  write_drive();
-  EXPECT_EQ(causes("-s window_m=3"), only("outside of the window"));
+  for (const auto& [settings, cause] : std::map<std::string, std::string>{
+           {"-s min_height_m=-0.5", "min_height_m ="},
+           {"-s max_height_m=-0.75", "max_height_m ="},
+           {"-s window_m=3", "outside of the window"},
+           {"-s window_m=100 -s resolution_m=0.2 -s max_range_m=8", "was seen"}})
+    EXPECT_EQ(causes(settings), only(cause)) << settings;
+  EXPECT_EQ(run("drive.rawlog --no-site --strict --output sound").code, 0);
+  const Outcome failed = run("drive.rawlog --strict --output strict -s window_m=3");
+  EXPECT_EQ(failed.code, 1);
+  EXPECT_EQ(causes_in(failed.err), only("outside of the window"));
+  EXPECT_TRUE(failed.says("--strict")) << failed.err;
+  EXPECT_FALSE(exists("strict"));
+  EXPECT_EQ(run("drive.rawlog drive.rawlog --suggest").code, 2);
 }
 
 TEST_F(TalusMapHints, a_window_that_ends_before_the_ground_begins)
@@ -76,13 +70,7 @@ robot: {path_m: [[0, 0], [5, 0]], speed_mps: 1}
   EXPECT_GE(summary("out")["parameters"]["window_m"], 12);
 }
 
-TEST_F(TalusMapHints, a_window_of_which_little_is_seen)
-{
-  write_drive();
-  EXPECT_EQ(causes("-s window_m=100 -s resolution_m=0.2 -s max_range_m=8"), only("was seen"));
-}
-
-TEST_F(TalusMapHints, points_in_the_frame_of_the_base)
+TEST_F(TalusMapHints, points_in_the_frame_of_the_base_or_of_the_map)
 {
   Mistakes wrong;
   wrong.points_in_base = true;
@@ -91,23 +79,12 @@ TEST_F(TalusMapHints, points_in_the_frame_of_the_base)
   wrong.mounting = at_its_origin;
   write_drive(kOneSensor, wrong);
   EXPECT_EQ(causes(), only("begin in the ground"));
-  EXPECT_EQ(run("drive.rawlog --no-site --strict --output strict").code, 1);
-  EXPECT_FALSE(exists("strict"));
-}
-
-TEST_F(TalusMapHints, points_in_the_frame_of_the_map)
-{
-  Mistakes wrong;
+  wrong.points_in_base = false;
   wrong.points_in_map = true;
-  wrong.mounting = at_its_origin;
   write_drive(kOneSensor, wrong);
   EXPECT_EQ(causes("--static"), only("begin in the ground"));
-}
-
-TEST_F(TalusMapHints, a_sensor_at_a_tenth_of_a_metre_is_not_in_the_ground)
-{
   write_drive("sensor: {scanner: RS-LiDAR-16, at_m: [0.1, 0, 0.1]}\n");
-  EXPECT_EQ(causes(), kNone);
+  EXPECT_EQ(causes(), kNone) << "a sensor at a tenth of a metre is not in the ground";
 }
 
 TEST_F(TalusMapHints, a_sensor_that_does_not_see_what_is_as_high_as_the_robot)
@@ -123,7 +100,7 @@ TEST_F(TalusMapHints, a_sensor_that_does_not_see_what_is_as_high_as_the_robot)
   EXPECT_EQ(causes_in(done.err), only("the highest ray ahead"));
   EXPECT_TRUE(done.says("looks 5 degrees down from 0.68 m")) << done.err;
   EXPECT_TRUE(done.says("and 0.80 m is seen")) << done.err;
-  EXPECT_NE(run("drive.rawlog --suggest").out.find("seen nowhere"), std::string::npos);
+  EXPECT_SAYS(run("drive.rawlog --suggest").out, "seen nowhere");
   EXPECT_EQ(causes("-s clearance_m=0.55"), kNone) << "a lower robot";
   for (const auto& sensor :
        {at("RS-LiDAR-16", 0.68, 0), at("OS0-128", 0.68, 20), at("RS-LiDAR-16", 1.0, 20)})
@@ -146,85 +123,54 @@ TEST_F(TalusMapHints, a_level_sensor_in_an_empty_field_may_see_what_is_high)
   }
 }
 
-TEST_F(TalusMapHints, a_mounting_that_is_too_high)
+TEST_F(TalusMapHints, a_mounting_that_is_not_where_the_sensor_is)
 {
-  write_drive(kOneSensor, mounting_off_by({0, 0, 0.45, 0, 0, 0}));
-  EXPECT_EQ(causes(), only("mounting contradicts"));
-}
-
-TEST_F(TalusMapHints, a_mounting_that_is_tilted)
-{
-  write_drive(kOneSensor, mounting_off_by({0, 0, 0, 0, 12 * kDegree, 0}));
-  EXPECT_EQ(causes(), only("mounting contradicts"));
-}
-
-TEST_F(TalusMapHints, a_mounting_that_is_turned_to_its_side)
-{
-  write_drive(kOneSensor, mounting_off_by({0, 0, 0, 0, 0, 35 * kDegree}));
-  EXPECT_EQ(causes(), only("tilted against the base"));
-}
-
-TEST_F(TalusMapHints, a_sensor_upside_down)
-{
-  write_drive(kOneSensor, mounting_off_by({0, 0, 0, 0, 0, 180 * kDegree}));
-  EXPECT_EQ(causes(), only("upside down"));
-}
-
-TEST_F(TalusMapHints, poses_upside_down)
-{
-  Mistakes wrong;
-  wrong.pose = [](const CPose3D& T, double) { return T + CPose3D(0, 0, 0, 0, 0, M_PI); };
-  write_drive(kOneSensor, wrong);
-  EXPECT_EQ(causes(), only("upside down"));
-}
-
-TEST_F(TalusMapHints, a_quaternion_in_the_wrong_order)
-{
-  Mistakes wrong;
-  wrong.quaternion_begins_with_w = true;
-  wrong.pose = [](const CPose3D& T, double) { return CPose3D(0, 0, 0, M_PI / 2, 0, 0) + T; };
-  write_drive(kOneSensor, wrong);
-  EXPECT_EQ(causes(), only("is tilted in the map"));
-}
-
-TEST_F(TalusMapHints, a_map_frame_that_is_not_level)
-{
-  Mistakes wrong;
-  wrong.pose = [](const CPose3D& T, double) { return CPose3D(0, 0, 0, 0, 0.5, 0) + T; };
-  write_drive(kOneSensor, wrong);
-  EXPECT_EQ(causes(), only("is tilted in the map"));
-}
-
-TEST_F(TalusMapHints, two_sensors_that_see_two_grounds)
-{
+  for (const auto& [off, cause] : std::vector<std::pair<CPose3D, std::string>>{
+           {{0, 0, 0.45, 0, 0, 0}, "mounting contradicts"},
+           {{0, 0, 0, 0, 12 * kDegree, 0}, "mounting contradicts"},
+           {{0, 0, 0, 0, 0, 35 * kDegree}, "tilted against the base"},
+           {{0, 0, 0, 0, 0, 180 * kDegree}, "upside down"}})
+  {
+    write_drive(kOneSensor, mounting_off_by(off));
+    EXPECT_EQ(causes(), only(cause)) << off;
+  }
   Mistakes wrong;
   wrong.mounting = [](const CPose3D& T_base_sensor, const std::string& label)
   { return label == "rear" ? CPose3D(0, 0, 0.3, 0, 0, 0) + T_base_sensor : T_base_sensor; };
   write_drive(kTwoSensors, wrong);
   EXPECT_EQ(causes(), only("two grounds"));
-}
-
-TEST_F(TalusMapHints, two_sensors_that_see_one_ground)
-{
   write_drive(kTwoSensors);
   EXPECT_EQ(causes(), kNone);
 }
 
-TEST_F(TalusMapHints, a_jump_of_the_poses)
+TEST_F(TalusMapHints, poses_that_are_turned_jump_or_are_late)
 {
-  Mistakes wrong;
-  wrong.pose = [](const CPose3D& T, double time_s)
-  { return time_s > 4 ? CPose3D(1.5, 4, 0.2, 0, 0, 0) + T : T; };
-  write_drive(kOneSensor, wrong);
-  EXPECT_EQ(causes(), only("the poses jump"));
-}
-
-TEST_F(TalusMapHints, a_clock_that_is_late)
-{
-  Mistakes wrong;
-  wrong.late_s = 0.3;
-  write_drive(kOneSensor, wrong);
-  EXPECT_EQ(causes(), only("contradict each other"));
+  const auto with_pose = [](const std::function<CPose3D(const CPose3D&, double)>& pose)
+  {
+    Mistakes wrong;
+    wrong.pose = pose;
+    return wrong;
+  };
+  Mistakes quaternion =
+      with_pose([](const CPose3D& T, double) { return CPose3D(0, 0, 0, M_PI / 2, 0, 0) + T; });
+  quaternion.quaternion_begins_with_w = true;
+  Mistakes late;
+  late.late_s = 0.3;
+  for (const auto& [wrong, cause] :
+       std::vector<std::pair<Mistakes, std::string>>{
+           {with_pose([](const CPose3D&T, double) { return T + CPose3D(0, 0, 0, 0, 0, M_PI); }),
+            "upside down"},
+           {quaternion, "is tilted in the map"},
+           {with_pose([](const CPose3D&T, double) { return CPose3D(0, 0, 0, 0, 0.5, 0) + T; }),
+            "is tilted in the map"},
+           {with_pose([](const CPose3D&T, double time_s)
+                      { return time_s > 4 ? CPose3D(1.5, 4, 0.2, 0, 0, 0) + T : T; }),
+            "the poses jump"},
+           {late, "contradict each other"}})
+  {
+    write_drive(kOneSensor, wrong);
+    EXPECT_EQ(causes(), only(cause));
+  }
 }
 
 TEST_F(TalusMapHints, the_body_of_the_robot_with_the_box_to_paste)
@@ -239,16 +185,6 @@ TEST_F(TalusMapHints, the_body_of_the_robot_with_the_box_to_paste)
   const std::string boxes =
       done.err.substr(at + begin.size(), done.err.find('\n', at) - at - begin.size());
   EXPECT_EQ(causes("-s 'body_boxes_m=" + boxes + "'"), kNone) << boxes;
-}
-
-TEST_F(TalusMapHints, are_errors_with_strict_and_nothing_is_written)
-{
-  write_drive();
-  const Outcome failed = run("drive.rawlog --strict --output out -s window_m=3");
-  EXPECT_EQ(failed.code, 1);
-  EXPECT_EQ(causes_in(failed.err), only("outside of the window"));
-  EXPECT_TRUE(failed.says("--strict")) << failed.err;
-  EXPECT_FALSE(exists("out"));
 }
 
 TEST_F(TalusMapHints, suggest_prints_a_configuration_and_writes_nothing)
@@ -266,12 +202,6 @@ TEST_F(TalusMapHints, suggest_prints_a_configuration_and_writes_nothing)
   EXPECT_EQ(p["window_m"], 10) << done.out;
   EXPECT_EQ(p["min_height_m"], -3);
   EXPECT_NEAR(p["clearance_m"], 0.7, 1e-9);
-}
-
-TEST_F(TalusMapHints, suggest_takes_one_log)
-{
-  write_drive();
-  EXPECT_EQ(run("drive.rawlog drive.rawlog --suggest").code, 2);
 }
 
 TEST_F(TalusMapHints, real_logs_have_none)

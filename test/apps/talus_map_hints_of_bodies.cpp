@@ -90,7 +90,7 @@ TEST_F(TalusMapHintsOfBodies, who_stands_beside_a_robot_at_rest_is_not_suggested
     scene.duration_s = duration_s;
     write_scene(scene);
     const std::string said = run("drive.rawlog --suggest").out;
-    EXPECT_NE(said.find("\nbody_boxes_m = none  // unknown: "), std::string::npos) << said;
+    EXPECT_SAYS(said, "\nbody_boxes_m = none  // unknown: ");
   }
 }
 
@@ -98,6 +98,6 @@ TEST_F(TalusMapHintsOfBodies, the_body_of_a_car_is_suggested_once_it_has_driven_
 {
   const std::string mover = real_data("mover.rawlog"), scan = real_data("city_t00.rawlog");
   TALUS_SKIP_WITHOUT(mover);
-  EXPECT_NE(run(mover + " --suggest").out.find("\nbody_boxes_m = -"), std::string::npos);
-  EXPECT_NE(run(scan + " --suggest").out.find("\nbody_boxes_m = none"), std::string::npos);
+  EXPECT_SAYS(run(mover + " --suggest").out, "\nbody_boxes_m = -");
+  EXPECT_SAYS(run(scan + " --suggest").out, "\nbody_boxes_m = none");
 }

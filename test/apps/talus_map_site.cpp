@@ -54,39 +54,13 @@ TEST_F(TalusMapSite, export_writes_the_site_or_without_one_the_window_in_other_f
   expect_refused("drive.rawlog --export rso", 2, "rso");
 }
 
-TEST_F(TalusMapSite, no_result_takes_the_place_of_a_file_that_is_read)
-{
-  std::filesystem::create_directory(path("scans"));
-  for (const char* scan : {"site.ply", "scans/site.ply"}) write_bytes(path(scan), "points");
-  for (const char* arguments : {"site.ply --output .", "scans --output scans --export ply"})
-  {
-    const Outcome refused = run(std::string(arguments) + " --static");
-    EXPECT_EQ(refused.code, 1);
-    EXPECT_TRUE(refused.says("site.ply' would be overwritten, but it is an input")) << refused.err;
-  }
-  write_drive("drive", 2);
-  const Outcome copy = run("drive.rawlog --rawlog-out out/site.gridmap.gz --output out");
-  EXPECT_TRUE(copy.says("--rawlog-out out/site.gridmap.gz: is one of the results")) << copy.err;
-}
-
-TEST_F(TalusMapSite, styles_of_qgis_lie_beside_the_maps_and_those_of_a_user_stay)
-{
-  write_drive("drive", 20);
-  ASSERT_EQ(run("drive.rawlog --output styled").code, 0);
-  EXPECT_NE(read_bytes(path("styled/site.qml")).find("<qgis"), std::string::npos);
-  EXPECT_TRUE(exists("styled/map.qml"));
-  std::ofstream(path("styled/map.qml")) << "mine";
-  ASSERT_EQ(run("drive.rawlog --output styled").code, 0);
-  EXPECT_EQ(read_bytes(path("styled/map.qml")), "mine");
-}
-
 TEST_F(TalusMapSite, writes_all_that_the_drive_saw_and_says_how_much)
 {
   write_drive("drive", 120);
-  const Outcome done = run("drive.rawlog --output out");
+  const Outcome done = run("drive.rawlog --output out --threads 1 --traffic");
   ASSERT_EQ(done.code, 0) << done.err;
-  EXPECT_NE(done.out.find("  site    "), std::string::npos) << done.out;
-  EXPECT_EQ(entries(), 2u + 10u) << "nothing hidden";
+  EXPECT_SAYS(done.out, "  site    ");
+  EXPECT_EQ(entries(), 2u + 10u) << "nothing hidden, and nothing moved";
   const auto j = summary("out")["site"];
   EXPECT_NEAR(j["area_m2"].get<double>(), (12 + 6) * 6, 4) << "not what is guessed around it";
   EXPECT_NEAR(j["length_m"].get<double>(), 11.9, 0.2);
@@ -96,39 +70,20 @@ TEST_F(TalusMapSite, writes_all_that_the_drive_saw_and_says_how_much)
   site::read_site(path("out/site.tif"), site, 0);
   EXPECT_FALSE(site.tiles.keys().empty());
   EXPECT_FALSE(site.origin);
-}
-
-TEST_F(TalusMapSite, an_old_map_of_traffic_does_not_stay_beside_a_new_site)
-{
-  write_drive("drive", 30);
-  std::filesystem::create_directories(path("out"));
-  write_bytes(path("out/traffic.tif"), "old");
-  write_bytes(path("out/traffic_floor_1.tif"), "old");
-  write_bytes(path("out/traffic_jam.tif"), "of somebody else");
-  ASSERT_EQ(run("drive.rawlog --traffic --output out").code, 0);
-  EXPECT_FALSE(exists("out/traffic.tif")) << "nothing moved";
-  EXPECT_FALSE(exists("out/traffic_floor_1.tif"));
-  EXPECT_TRUE(exists("out/traffic_jam.tif"));
-  expect_refused("drive.rawlog --no-site --traffic", 2, "--no-site");
-}
-
-TEST_F(TalusMapSite, no_site_leaves_the_rest_as_it_is)
-{
-  write_drive("drive", 30);
-  ASSERT_EQ(run("drive.rawlog --output with").code, 0);
+  EXPECT_SAYS(read_bytes(path("out/site.qml")), "<qgis");
+  EXPECT_TRUE(exists("out/map.qml"));
+  // The same bytes with little memory and with any number of threads; no styles over a user's own.
+  std::filesystem::create_directory(path("other"));
+  write_bytes(path("other/map.qml"), "mine");
+  ASSERT_EQ(run("drive.rawlog --output other --threads 3 --memory 4").code, 0);
+  for (const std::string name : {"site.tif", "map.tif", "map.png"})
+    EXPECT_TRUE(read_bytes(path("out/" + name)) == read_bytes(path("other/" + name))) << name;
+  EXPECT_EQ(read_bytes(path("other/map.qml")), "mine");
   ASSERT_EQ(run("drive.rawlog --output without --no-site").code, 0);
-  EXPECT_FALSE(exists("without/site.tif"));
-  EXPECT_FALSE(exists("without/site.png"));
+  EXPECT_FALSE(exists("without/site.tif") || exists("without/site.png"));
   EXPECT_FALSE(summary("without").contains("site"));
-  EXPECT_EQ(read_bytes(path("with/map.tif")), read_bytes(path("without/map.tif")));
-}
-
-TEST_F(TalusMapSite, has_the_same_bytes_with_little_memory_and_with_any_number_of_threads)
-{
-  write_drive("drive", 250);
-  ASSERT_EQ(run("drive.rawlog --output a --threads 1").code, 0);
-  ASSERT_EQ(run("drive.rawlog --output b --threads 3 --memory 4").code, 0);
-  EXPECT_TRUE(read_bytes(path("a/site.tif")) == read_bytes(path("b/site.tif")));
+  EXPECT_EQ(read_bytes(path("out/map.tif")), read_bytes(path("without/map.tif")));
+  expect_refused("drive.rawlog --no-site --traffic", 2, "--no-site");
 }
 
 TEST_F(TalusMapSite, resume_goes_on_with_the_map_of_yesterday)
@@ -160,22 +115,6 @@ TEST_F(TalusMapSite, resume_refuses_what_it_cannot_go_on_with_and_touches_nothin
   expect_refused("drive.rawlog drive.rawlog --resume before/site.tif", 2, "takes one log");
   expect_refused("drive.rawlog --no-site --resume before/site.tif", 2, "--no-site");
   expect_refused("drive.rawlog --memory 0", 2, "--memory");
-}
-
-TEST_F(TalusMapSite, floors_of_an_earlier_run_do_not_stay_beside_the_new_map)
-{
-  write_drive("drive", 10);
-  std::filesystem::create_directory(path("out"));
-  for (const char* name :
-       {"site_floor_1.tif", "site_floor_1_way.gpkg", "site_floor_12.png", "site_floor_plan.png"})
-    write_bytes(path(std::string("out/") + name), "old");
-  ASSERT_EQ(run("drive.rawlog --output out --no-site").code, 0);
-  EXPECT_TRUE(exists("out/site_floor_1.tif")) << "of the site map that is still there";
-  ASSERT_EQ(run("drive.rawlog --output out").code, 0);
-  EXPECT_FALSE(exists("out/site_floor_1.tif"));
-  EXPECT_FALSE(exists("out/site_floor_1_way.gpkg"));
-  EXPECT_FALSE(exists("out/site_floor_12.png"));
-  EXPECT_TRUE(exists("out/site_floor_plan.png")) << "somebody else's";
 }
 
 TEST_F(TalusMapSite, of_a_drive_in_two_halves_far_apart_is_a_file_for_each)
@@ -236,8 +175,8 @@ TEST_F(TalusMapSite, the_map_of_the_window_lies_where_the_site_does)
   EXPECT_EQ(here.names, there.names);
   for (const char* file : {"there/map.tif", "there/site.tif"})
   {
-    EXPECT_NE(read_bytes(path(file)).find("north is not up"), std::string::npos) << file;
-    EXPECT_NE(read_bytes(path(file)).find("36.8383 -2.4045 52 30"), std::string::npos) << file;
+    EXPECT_SAYS(read_bytes(path(file)), "north is not up") << file;
+    EXPECT_SAYS(read_bytes(path(file)), "36.8383 -2.4045 52 30") << file;
   }
   EXPECT_TRUE(exists("there/site_way.gpkg"));
 }
@@ -262,21 +201,18 @@ TEST_F(TalusMapSite, origin_says_where_on_earth_the_map_is)
   EXPECT_EQ(same.err, "");
   const Outcome moved = run("drive.rawlog --output d --resume b/site.tif --origin -90,-180");
   EXPECT_EQ(moved.code, 0);
-  EXPECT_NE(moved.err.find("another origin on Earth, -33.5"), std::string::npos) << moved.err;
+  EXPECT_SAYS(moved.err, "another origin on Earth, -33.5");
   ASSERT_TRUE(origin_of("d/site.tif"));
   EXPECT_EQ(origin_of("d/site.tif")->longitude_deg, 180);
-}
-
-TEST_F(TalusMapSite, origin_that_is_no_place_on_earth_is_refused)
-{
-  write_drive("drive", 10);
-  expect_refused("drive.rawlog --origin 91,0", 2, "the latitude 91 is not in [-90, 90]");
-  expect_refused("drive.rawlog --origin 0,181", 2, "the longitude 181 is not in");
-  expect_refused("drive.rawlog --origin 36.8", 2, "LAT,LON[,ALT[,HEADING]]");
-  expect_refused("drive.rawlog --origin 36.8,2,3,4,5", 2, "LAT,LON[,ALT[,HEADING]]");
-  expect_refused("drive.rawlog --origin 36.8,east", 2, "'east' is no number");
-  expect_refused("drive.rawlog --origin nan,0", 2, "'nan' is no number");
-  expect_refused("drive.rawlog --origin ''", 2, "--origin");
+  for (const auto& [origin, words] : std::map<std::string, std::string>{
+           {"91,0", "the latitude 91 is not in [-90, 90]"},
+           {"0,181", "the longitude 181 is not in"},
+           {"36.8", "LAT,LON[,ALT[,HEADING]]"},
+           {"36.8,2,3,4,5", "LAT,LON[,ALT[,HEADING]]"},
+           {"36.8,east", "'east' is no number"},
+           {"nan,0", "'nan' is no number"},
+           {"''", "--origin"}})
+    expect_refused("drive.rawlog --origin " + origin, 2, words);
 }
 
 TEST_F(TalusMapSite, takes_the_origin_from_the_gps_of_the_log)

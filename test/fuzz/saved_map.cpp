@@ -6,7 +6,7 @@
 
 #include <sstream>
 
-#include "archive.h"
+#include "packed_file.h"
 #include "fuzz.h"
 
 namespace

@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "archive.h"
+#include "packed_file.h"
 #include "fuzz.h"
 
 using namespace talus;

@@ -99,7 +99,7 @@ TEST(Formats, the_octree_of_a_map_that_reaches_too_far_is_coarser_and_told)
   EXPECT_EQ(write_octomap(dir / "near.bt", map, 0.6), "");
   map.min_x_m = 4000;  // 40000 voxels
   const std::string told = write_octomap(dir / "far.bt", map, 0.6);
-  EXPECT_NE(told.find("far.bt: its voxels are 0.2 m wide, not 0.1 m"), std::string::npos) << told;
+  EXPECT_SAYS(told, "far.bt: its voxels are 0.2 m wide, not 0.1 m");
   const octomap::OcTree tree(dir / "far.bt");
   const auto* box = tree.search(4002.1, 3.1, 1.5);
   ASSERT_TRUE(box);
@@ -118,7 +118,7 @@ TEST(Formats, far_coordinates_are_less_by_an_origin_that_is_named)
   EXPECT_EQ(origin.y_m, 4077000);
   write_mesh(dir / "m.ply", map, 1000000, origin);
   const std::string mesh = read_bytes(dir / "m.ply");
-  EXPECT_NE(mesh.find("comment origin_m: 548000 4077000 0\n"), std::string::npos);
+  EXPECT_SAYS(mesh, "comment origin_m: 548000 4077000 0\n");
   EXPECT_EQ(read_bytes(dir / "m_mesh.json"), "{\"origin_m\": [548000,4077000,0]}\n");
   mrpt::maps::CSimplePointsMap points;
   ASSERT_TRUE(points.loadFromPlyFile(dir / "m.ply"));
@@ -132,7 +132,7 @@ TEST(Formats, far_coordinates_are_less_by_an_origin_that_is_named)
   const auto* box = tree.search(124.05, -453.95, 1.65);
   ASSERT_TRUE(box);
   EXPECT_TRUE(tree.isNodeOccupied(box));
-  EXPECT_NE(read_bytes(dir / "m.bt").find("# origin_m: 548000 4077000 0\n"), std::string::npos);
+  EXPECT_SAYS(read_bytes(dir / "m.bt"), "# origin_m: 548000 4077000 0\n");
 }
 
 TEST(Formats, a_layer_that_is_missing_is_named)
@@ -147,7 +147,7 @@ TEST(Formats, a_layer_that_is_missing_is_named)
   }
   catch (const std::runtime_error& e)
   {
-    EXPECT_NE(std::string(e.what()).find("'traversability'"), std::string::npos) << e.what();
+    EXPECT_SAYS(std::string(e.what()), "'traversability'") << e.what();
   }
 }
 
@@ -161,7 +161,7 @@ TEST(Formats, the_heightmap_has_2_to_the_n_and_1_pixels_and_tells_where_it_lies)
   EXPECT_NEAR(p.height_m, 0.49, 1e-6);
   EXPECT_NEAR(p.center_x_m, 1.5, 0.051) << "of the known cells";
   EXPECT_NEAR(p.center_y_m, 4.0, 0.051);
-  EXPECT_NE(read_bytes(dir / "h.json").find("\"side_pixels\": 65"), std::string::npos);
+  EXPECT_SAYS(read_bytes(dir / "h.json"), "\"side_pixels\": 65");
 }
 
 TEST(Formats, a_mesh_has_no_more_faces_than_are_wanted)
@@ -195,11 +195,11 @@ TEST(Formats, a_page_gets_coarser_until_it_is_small_enough)
   const std::string fine = read_bytes(dir / "fine.html"), small = read_bytes(dir / "small.html");
   EXPECT_GT(fine.size(), options.max_bytes);
   EXPECT_LE(small.size(), options.max_bytes);
-  EXPECT_NE(fine.find("\"resolution_m\":0.1,"), std::string::npos);
-  EXPECT_NE(small.find("\"resolution_m\":0.2,"), std::string::npos);
-  EXPECT_EQ(fine.find("<!--<script"), std::string::npos) << "would begin a script";
-  EXPECT_NE(fine.find("\"title\":\"\\u003c!--\\u003cscript> /* data */"), std::string::npos);
-  EXPECT_NE(fine.find("script-src 'nonce-"), std::string::npos);
+  EXPECT_SAYS(fine, "\"resolution_m\":0.1,");
+  EXPECT_SAYS(small, "\"resolution_m\":0.2,");
+  EXPECT_SAYS_NOT(fine, "<!--<script") << "would begin a script";
+  EXPECT_SAYS(fine, "\"title\":\"\\u003c!--\\u003cscript> /* data */");
+  EXPECT_SAYS(fine, "script-src 'nonce-");
 }
 
 TEST(Formats, no_script_of_a_stranger_is_the_name_of_a_layer)

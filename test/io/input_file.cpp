@@ -62,9 +62,7 @@ TEST(InputFile, IsReadWholeUpToItsLimit)
       error_of([&] { talus::read_input_file(dir / "a", "text", 3); }),
       dir / "a" + ": has 4 bytes, a text at most 3. Is it another file?");
   make_huge(dir / "huge");
-  EXPECT_NE(
-      error_of([&] { talus::read_input_file(dir / "huge", "text", 1000); }).find("1099511627776"),
-      std::string::npos);
+  EXPECT_SAYS(error_of([&] { talus::read_input_file(dir / "huge", "text", 1000); }), "1099511627776");
 }
 
 TEST(InputFile, IsNoPipeDeviceSocketOrDirectoryForAnyReader)
@@ -88,7 +86,7 @@ TEST(InputFile, IsNoPipeDeviceSocketOrDirectoryForAnyReader)
           error_of([&] { talus::io::read_geotiff(path); }),
           error_of([&] { talus::sim::load_world(path); }),
           error_of([&] { talus::sim::read_pgm(path); })})
-      EXPECT_NE(error.find(path + ": " + file.second), std::string::npos) << error;
+      EXPECT_SAYS(error, path + ": " + file.second);
   }
 }
 
@@ -96,13 +94,7 @@ TEST(InputFile, IsNotReadWhereItIsLargerThanAnyOfItsKind)
 {
   const ScratchDir dir;
   make_huge(dir / "huge");
-  EXPECT_NE(
-      error_of([&] { talus::sim::load_world(dir / "huge"); }).find("has 1"), std::string::npos);
-  EXPECT_NE(
-      error_of([&] { talus::io::Trajectory::load(dir / "huge"); })
-          .find("huge:1: no end of the line"),
-      std::string::npos);
-  EXPECT_NE(
-      error_of([&] { talus::sim::read_pgm(dir / "huge"); }).find("not a grey PGM"),
-      std::string::npos);
+  EXPECT_SAYS(error_of([&] { talus::sim::load_world(dir / "huge"); }), "has 1");
+  EXPECT_SAYS(error_of([&] { talus::io::Trajectory::load(dir / "huge"); }), "huge:1: no end of the line");
+  EXPECT_SAYS(error_of([&] { talus::sim::read_pgm(dir / "huge"); }), "not a grey PGM");
 }

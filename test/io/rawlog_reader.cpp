@@ -71,19 +71,6 @@ const Objects kThree{odometry(1, 1), odometry(2, 2), odometry(3, 3)};
 
 }  // namespace
 
-TEST(RawlogReader, ReadsObservationsInTheirOrderPlainAndGz)
-{
-  const ScratchDir dir;
-  for (const auto packing : {Packing::Plain, Packing::Gz})
-  {
-    write_log(dir / "a.rawlog", kThree, packing);
-    const auto all = read_all(dir / "a.rawlog");
-    ASSERT_EQ(all.size(), 3u);
-    for (std::size_t i = 0; i < 3; ++i)
-      EXPECT_DOUBLE_EQ(mrpt::Clock::toDouble(all[i]->timestamp), 1.0 + static_cast<double>(i));
-  }
-}
-
 TEST(RawlogReader, FlattensSensoryFramesAlsoThoseWithoutAnActionBefore)
 {
   const ScratchDir dir;
@@ -109,30 +96,6 @@ TEST(RawlogReader, ReadsWhatMrptsOwnContainerWrites)
   ASSERT_TRUE(log.saveToRawLogFile(dir / "a.rawlog"));
   EXPECT_EQ(read_all(dir / "a.rawlog").size(), 2u);
   EXPECT_EQ(RawlogReader(dir / "a.rawlog").description(), "a comment is not an observation");
-}
-
-TEST(RawlogReader, TellsHowFarItIs)
-{
-  const ScratchDir dir;
-  write_log(dir / "a.rawlog", {cloud(1, 1000), cloud(2, 1000), cloud(3, 1000)}, Packing::Gz);
-  RawlogReader reader(dir / "a.rawlog");
-  double before = 0;
-  while (reader.next())
-  {
-    EXPECT_GE(reader.progress(), before);
-    EXPECT_LE(reader.progress(), 1.0);
-    before = reader.progress();
-  }
-  EXPECT_EQ(reader.progress(), 1.0);
-}
-
-TEST(RawlogReader, GoesOnSayingThatTheLogHasEnded)
-{
-  const ScratchDir dir;
-  write_log(dir / "a.rawlog", kThree, Packing::Gz);
-  RawlogReader reader(dir / "a.rawlog");
-  for (int i = 0; i < 3; ++i) EXPECT_TRUE(reader.next());
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(reader.next());
 }
 
 namespace
@@ -203,7 +166,7 @@ TEST(RawlogReader, DoesNotNeedPicturesThatAreStoredOutsideTheLog)
   EXPECT_EQ(read_all(dir / "a.rawlog").size(), 2u);
 }
 
-TEST(RawlogReader, SaysWhenTheFileIsMissingADirectoryOrEmpty)
+TEST(RawlogReader, SaysWhenTheFileIsMissingADirectoryEmptyOrText)
 {
   const ScratchDir dir;
   expect_error([&] { RawlogReader(dir / "none.rawlog"); }, {"none.rawlog", "no such file"});
@@ -212,38 +175,8 @@ TEST(RawlogReader, SaysWhenTheFileIsMissingADirectoryOrEmpty)
   expect_error([&] { RawlogReader(dir / "empty.rawlog"); }, {"empty.rawlog", "0 bytes"});
   write_log(dir / "nothing.rawlog", {}, Packing::Gz);
   expect_error([&] { RawlogReader(dir / "nothing.rawlog"); }, {"nothing.rawlog"});
-}
-
-TEST(RawlogReader, SaysWhenTheFileIsText)
-{
-  const ScratchDir dir;
   write_bytes(dir / "notes.rawlog", "These are notes of the test drive,\nnot its log.\n");
   expect_error([&] { RawlogReader(dir / "notes.rawlog"); }, {"notes.rawlog", "not a rawlog"});
-}
-
-TEST(RawlogReader, FindsAGzFileCutAnywhere)
-{
-  const ScratchDir dir;
-  write_log(dir / "a.rawlog", {cloud(1, 3000), cloud(2, 3000)}, Packing::Gz);
-  const auto bytes = read_bytes(dir / "a.rawlog");
-  const auto cut = dir / "cut.rawlog";
-  // In the header, in the data, just before the trailer, and inside it.
-  for (const std::size_t size :
-       {std::size_t(15), bytes.size() / 2, bytes.size() - 8, bytes.size() - 1})
-  {
-    write_bytes(cut, bytes.substr(0, size));
-    expect_error([&] { read_all(cut); }, {"cut.rawlog", "cut short", "byte"});
-  }
-}
-
-TEST(RawlogReader, FindsAGzFileWhoseChecksumIsWrong)
-{
-  const ScratchDir dir;
-  write_log(dir / "a.rawlog", kThree, Packing::Gz);
-  auto bytes = read_bytes(dir / "a.rawlog");
-  bytes[bytes.size() - 6] = static_cast<char>(bytes[bytes.size() - 6] ^ 0x10);
-  write_bytes(dir / "bad.rawlog", bytes);
-  expect_error([&] { read_all(dir / "bad.rawlog"); }, {"bad.rawlog", "damaged"});
 }
 
 TEST(RawlogReader, NamesTheByteWhereAPlainLogIsCutAndGivesWhatIsBefore)
@@ -338,17 +271,8 @@ TEST(RawlogReader, ReadsTheLogsThatComeWithMrpt)
   if (scan.empty() || actions.empty() || plain.empty()) GTEST_SKIP() << "mrpt-common is not here";
   EXPECT_EQ(read_all(scan).size(), 1u);
   EXPECT_EQ(read_all(actions).size(), 37u);
+  EXPECT_GT(trajectory_from_rawlog(actions).entries().size(), 1u);
   EXPECT_EQ(read_all(plain).size(), 100u);
-}
-
-TEST(RawlogReader, ReadsARecordedDriveWhole)
-{
-  const auto path = real_data("parked.rawlog");
-  TALUS_SKIP_WITHOUT(path);
-  const auto all = read_all(path);
-  ASSERT_EQ(all.size(), 14u);
-  for (const auto& obs : all)
-    EXPECT_GT(std::dynamic_pointer_cast<CObservationPointCloud>(obs)->pointcloud->size(), 10000u);
 }
 
 TEST(PosesOfALog, ComeFromRobotPosesFirst)
@@ -404,36 +328,11 @@ TEST(PosesOfALog, AreTheSumOfItsMovementsWhenItHasActionPairs)
       Packing::Gz);
   std::string source;
   const auto t = trajectory_from_rawlog(dir / "a.rawlog", &source);
-  EXPECT_NE(source.find("action"), std::string::npos);
+  EXPECT_SAYS(source, "action");
   ASSERT_EQ(t.entries().size(), 4u);
   EXPECT_NEAR(t.at(10, 2)->norm(), 0, 1e-12);
   EXPECT_NEAR(t.at(11.25, 2)->x(), 1, 1e-12);
   EXPECT_NEAR(t.at(11.25, 2)->yaw(), M_PI / 2, 1e-12);
   EXPECT_NEAR(t.at(12, 2)->x(), 1, 1e-12);
   EXPECT_NEAR(t.at(12, 2)->y(), 1, 1e-12);
-}
-
-TEST(PosesOfALog, AreNoneInALogOfScansOnly)
-{
-  const ScratchDir dir;
-  write_log(dir / "a.rawlog", {cloud(1, 1), frame_of({cloud(2, 1)})}, Packing::Gz);
-  std::string source;
-  EXPECT_TRUE(trajectory_from_rawlog(dir / "a.rawlog", &source).empty());
-  EXPECT_EQ(source, "none");
-}
-
-TEST(PosesOfALog, ThrowAsTheReaderDoesOnALogThatIsCut)
-{
-  const ScratchDir dir;
-  write_log(dir / "a.rawlog", kThree, Packing::Gz);
-  const auto bytes = read_bytes(dir / "a.rawlog");
-  write_bytes(dir / "cut.rawlog", bytes.substr(0, bytes.size() - 3));
-  expect_error([&] { trajectory_from_rawlog(dir / "cut.rawlog"); }, {"cut.rawlog", "cut short"});
-}
-
-TEST(PosesOfALog, ComeFromTheActionsOfTheStockLog)
-{
-  const auto path = stock_dataset("localization_demo.rawlog");
-  TALUS_SKIP_WITHOUT(path);
-  EXPECT_GT(trajectory_from_rawlog(path).entries().size(), 1u);
 }

@@ -28,12 +28,6 @@ Trajectory load_text(const ScratchDir& dir, const std::string& text)
   return Trajectory::load(dir / "poses.tum");
 }
 
-void expect_text_error(const std::string& text, const std::vector<std::string>& words)
-{
-  const ScratchDir dir;
-  expect_error([&] { load_text(dir, text); }, words);
-}
-
 }  // namespace
 
 TEST(Trajectory, SortsItsEntriesByTime)
@@ -132,13 +126,6 @@ TEST(TumFile, ReadsPosesBetweenCommentsBlankLinesAndWindowsLineEnds)
   EXPECT_NEAR(t.entries()[2].T_map_base.yaw(), 90 * kDegree, 1e-9);
 }
 
-TEST(TumFile, AcceptsStampsThatAreNotInOrder)
-{
-  const ScratchDir dir;
-  const auto t = load_text(dir, "3 3 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n");
-  EXPECT_DOUBLE_EQ(t.at(2.5, 1)->x(), 2.5);
-}
-
 TEST(TumFile, AcceptsAByteOrderMarkAndPlusSigns)
 {
   const ScratchDir dir;
@@ -146,47 +133,38 @@ TEST(TumFile, AcceptsAByteOrderMarkAndPlusSigns)
   ASSERT_EQ(t.entries().size(), 1u);
   EXPECT_EQ(t.entries()[0].time_s, 1.0);
   EXPECT_EQ(t.entries()[0].T_map_base.x(), 2.5);
-  expect_text_error("1 +-2 0 0 0 0 0 1\n", {"poses.tum:1:", "'+-2'"});
-  expect_text_error("1 + 0 0 0 0 0 1\n", {"poses.tum:1:", "'+'"});
 }
 
-TEST(TumFile, RefusesTwoPosesAtOneTimeUnlessTheyAreNearlyTheSame)
+TEST(TumFile, NamesTheLineTheWordAndWhatIsWrong)
 {
-  expect_text_error(
-      "1 0 0 0 0 0 0 1\n\n2 0 0 0 0 0 0 1\n1 0.5 0 0 0 0 0 1\n",
-      {"poses.tum:4:", "line 1", "same time"});
-  expect_text_error(
-      "1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0.70710678 0.70710678\n", {"poses.tum:2:", "same time"});
+  using Words = std::vector<std::string>;
+  const std::string good = "1 0 0 0 0 0 0 1\n";
+  for (const auto& [text, words] : std::vector<std::pair<std::string, Words>>{
+           {"# c\n" + good + "2 0 0 0 0 0 1\n", {"poses.tum:3:", "7 words", "qw"}},
+           {"1 0 0 0 0 0 0 1 9\n", {"poses.tum:1:", "9 words"}},
+           {good + "2 0 zero 0 0 0 0 1\n", {"poses.tum:2:", "'zero'", "number"}},
+           {"1 0 0 0 0 0 0 1x\n", {"poses.tum:1:", "'1x'"}},
+           {"1,0,0,0,0,0,0,1 2 3 4 5 6 7 8\n", {"poses.tum:1:", "'1,0,0,0"}},
+           {"1 +-2 0 0 0 0 0 1\n", {"poses.tum:1:", "'+-2'"}},
+           {"1 0 0 nan 0 0 0 1\n", {"poses.tum:1:", "'nan'", "not finite"}},
+           {"1 inf 0 0 0 0 0 1\n", {"poses.tum:1:", "'inf'", "not finite"}},
+           {"nan 0 0 0 0 0 0 1\n", {"poses.tum:1:", "not finite"}},
+           {"1 1e999 0 0 0 0 0 1\n", {"poses.tum:1:", "1e999"}},
+           {"1 0 0 0 0 0 0 0\n", {"poses.tum:1:", "norm 0.0", "t x y z qx qy qz qw"}},
+           {"1 0 0 0 0.3 0.2 0.1 0\n", {"poses.tum:1:", "norm 0.37"}},
+           {"1725981157851717000 0 0 0 0 0 0 1\n", {"poses.tum:1:", "nanoseconds"}},
+           {"# nothing\n\n", {"poses.tum", "no poses"}},
+           {std::string("\x8d\x00\x01zz\n", 6), {"poses.tum:1:", "words"}},
+           {good + "\n2 0 0 0 0 0 0 1\n1 0.5 0 0 0 0 0 1\n",
+            {"poses.tum:4:", "line 1", "same time"}},
+           {good + "1 0 0 0 0 0 0.70710678 0.70710678\n", {"poses.tum:2:", "same time"}}})
+  {
+    const ScratchDir dir;
+    expect_error([&] { load_text(dir, text); }, words);
+  }
   const ScratchDir dir;
-  const auto t = load_text(dir, "1 0 0 0 0 0 0 1\n1 0.01 0 0 0 0 0 -1\n");
-  EXPECT_EQ(t.entries().size(), 1u);
-}
-
-TEST(TumFile, NamesTheLineThatHasTooFewOrTooManyNumbers)
-{
-  expect_text_error("# c\n1 0 0 0 0 0 0 1\n2 0 0 0 0 0 1\n", {"poses.tum:3:", "7 words", "qw"});
-  expect_text_error("1 0 0 0 0 0 0 1 9\n", {"poses.tum:1:", "9 words"});
-}
-
-TEST(TumFile, NamesTheWordThatIsNoNumber)
-{
-  expect_text_error("1 0 0 0 0 0 0 1\n2 0 zero 0 0 0 0 1\n", {"poses.tum:2:", "'zero'", "number"});
-  expect_text_error("1 0 0 0 0 0 0 1x\n", {"poses.tum:1:", "'1x'"});
-  expect_text_error("1,0,0,0,0,0,0,1 2 3 4 5 6 7 8\n", {"poses.tum:1:", "'1,0,0,0"});
-}
-
-TEST(TumFile, RefusesPosesThatAreNotFinite)
-{
-  expect_text_error("1 0 0 nan 0 0 0 1\n", {"poses.tum:1:", "'nan'", "not finite"});
-  expect_text_error("1 inf 0 0 0 0 0 1\n", {"poses.tum:1:", "'inf'", "not finite"});
-  expect_text_error("nan 0 0 0 0 0 0 1\n", {"poses.tum:1:", "not finite"});
-  expect_text_error("1 1e999 0 0 0 0 0 1\n", {"poses.tum:1:", "1e999"});
-}
-
-TEST(TumFile, RefusesQuaternionsWithoutUnitNorm)
-{
-  expect_text_error("1 0 0 0 0 0 0 0\n", {"poses.tum:1:", "norm 0.0", "t x y z qx qy qz qw"});
-  expect_text_error("1 0 0 0 0.3 0.2 0.1 0\n", {"poses.tum:1:", "norm 0.37"});
+  const auto t = load_text(dir, good + "1 0.01 0 0 0 0 0 -1\n");
+  EXPECT_EQ(t.entries().size(), 1u) << "nearly the same pose twice";
 }
 
 TEST(TumFile, NormalisesQuaternionsThatWereRounded)
@@ -194,30 +172,6 @@ TEST(TumFile, NormalisesQuaternionsThatWereRounded)
   const ScratchDir dir;
   const auto t = load_text(dir, "1 0 0 0 0 0 0.71 0.71\n");
   EXPECT_NEAR(t.entries()[0].T_map_base.yaw(), 90 * kDegree, 1e-9);
-}
-
-TEST(TumFile, RefusesStampsThatCannotBeSeconds)
-{
-  expect_text_error("1725981157851717000 0 0 0 0 0 0 1\n", {"poses.tum:1:", "nanoseconds"});
-}
-
-TEST(TumFile, SaysWhenThereIsNoPoseInIt)
-{
-  expect_text_error("# nothing\n\n", {"poses.tum", "no poses"});
-}
-
-TEST(TumFile, SaysWhenItIsBinary)
-{
-  expect_text_error(std::string("\x8d\x00\x01zz\n", 6), {"poses.tum:1:", "words"});
-}
-
-TEST(TrajectoryFile, SaysWhenItIsMissingADirectoryOrEmpty)
-{
-  const ScratchDir dir;
-  expect_error([&] { Trajectory::load(dir / "none.tum"); }, {"none.tum", "no such file"});
-  expect_error([&] { Trajectory::load(dir / ""); }, {"directory"});
-  write_bytes(dir / "empty.tum", "");
-  expect_error([&] { Trajectory::load(dir / "empty.tum"); }, {"empty.tum", "0 bytes"});
 }
 
 namespace
@@ -295,14 +249,4 @@ TEST(SimpleMapFile, ReadsTheOneThatComesWithMrpt)
   const auto path = stock_dataset("localization_demo.simplemap.gz");
   TALUS_SKIP_WITHOUT(path);
   EXPECT_GT(Trajectory::load(path).entries().size(), 10u);
-}
-
-TEST(TumFile, CoversEveryStampOfARecordedDrive)
-{
-  const auto path = real_data("street.tum");
-  TALUS_SKIP_WITHOUT(path);
-  const auto t = Trajectory::load(path);
-  EXPECT_EQ(t.entries().size(), 90u);
-  for (const auto& e : t.entries())
-    EXPECT_TRUE(t.at(e.time_s + 0.01, 0.5) || &e == &t.entries().back());
 }

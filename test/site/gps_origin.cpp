@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "log_files.h"
+
 using namespace talus;
 using namespace talus::site;
 
@@ -43,7 +45,7 @@ TEST(GpsOrigin, of_a_robot_that_stood_still_has_no_heading_and_says_so)
   std::string warning;
   const auto origin = origin_from_fixes({fix(3, 4, 0, 0), fix(4, 4, 2, 3)}, warning);
   ASSERT_TRUE(origin);
-  EXPECT_NE(warning.find("--origin LAT,LON,ALT,HEADING"), std::string::npos);
+  EXPECT_SAYS(warning, "--origin LAT,LON,ALT,HEADING");
   EXPECT_EQ(origin->heading_deg, 0);
   EXPECT_NEAR((origin->latitude_deg - kLat_deg) * kNorth_m, -4, 0.01);
   EXPECT_NEAR((origin->longitude_deg - kLon_deg) * kEast_m, -3, 0.01);
@@ -53,6 +55,6 @@ TEST(GpsOrigin, warns_where_fixes_and_poses_do_not_go_together)
 {
   std::string warning;
   origin_from_fixes({fix(0, 0, 0, 0), fix(50, 0, 10, 0), fix(0, 0, 90, 40)}, warning);
-  EXPECT_NE(warning.find("m off"), std::string::npos) << warning;
+  EXPECT_SAYS(warning, "m off");
   EXPECT_FALSE(origin_from_fixes({}, warning));
 }

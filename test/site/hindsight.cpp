@@ -144,21 +144,6 @@ TEST(Traffic, what_somebody_walks_by_stays)
   EXPECT_EQ(posts(), posts_before);
 }
 
-TEST(Traffic, what_stands_beside_the_way_stays)
-{
-  KeptDrive kept(
-      "robot: {path_m: [[0, 0], [40, 0]], speed_mps: 5}\n"
-      "objects:\n"
-      "- box: {at_m: [12, 2.6], size_m: [4, 1.6, 1.5]}\n"
-      "- posts: {from_m: [2, -2], to_m: [38, -2], count: 19, height_m: 0.9, radius_m: 0.06}\n");
-  const auto all = [&] { return kept.count(-5, 45, -5, 5); };
-  const auto before = all();
-  kept.mapper.look_back(kept.map);
-  EXPECT_GT(before.stand, 150);
-  EXPECT_EQ(all().stand, before.stand);
-  EXPECT_EQ(all().blocked, before.blocked);
-}
-
 TEST(Traffic, what_came_to_stay_is_kept)
 {
   const std::string round = "[8, 0], [8, 6], [0, 6], [0, 0]";
@@ -177,7 +162,6 @@ struct LaneTraffic
 {
   int cells = 0, elsewhere = 0;
   std::map<int, int> times;  //!< how many cells of the lane so often
-  std::vector<float> speeds_mps;  //!< of the cells of the lane that have one, ascending
 
   explicit LaneTraffic(KeptDrive& kept)
   {
@@ -185,7 +169,6 @@ struct LaneTraffic
     write_traffic_files(path, *kept.mapper.traffic(), kept.site);
     const io::LayerStack stack = io::read_geotiff(path);
     const auto &n = *stack.find("times"), &scans = *stack.find("scans");
-    const auto& speeds = *stack.find("speed_mps");
     for (std::size_t i = 0; i < n.size(); ++i)
     {
       if (std::isnan(n[i])) continue;
@@ -195,13 +178,7 @@ struct LaneTraffic
       const bool is_lane = y > 1.7 && y < 3.5;
       ++(is_lane ? cells : elsewhere);
       if (is_lane) ++times[static_cast<int>(n[i])];
-      if (is_lane && !std::isnan(speeds[i])) speeds_mps.push_back(speeds[i]);
     }
-    std::sort(speeds_mps.begin(), speeds_mps.end());
-  }
-  float speed_mps(double part) const
-  {
-    return speeds_mps.at(static_cast<std::size_t>(part * static_cast<double>(speeds_mps.size())));
   }
 };
 
@@ -233,32 +210,6 @@ TEST(Traffic, counts_each_visit)
   LaneTraffic traffic(kept);
   EXPECT_GT(traffic.times[2], 100) << "a scan with 16 beams hits few cells of it";
   EXPECT_EQ(traffic.times[3], 0);
-}
-
-/** Of 5.3 m/s, and of people who walk both ways. */
-TEST(Traffic, says_how_fast_it_was)
-{
-  KeptDrive car(
-      "robot: {path_m: [[0, 0], [30, 0]], speed_mps: 5}\n"
-      "movers: [box: {path: [[0, -6, 2.6], [6, 26, 2.6]], size_m: [4, 1.6, 1.5]}]\n",
-      "[plane: {}]", true);
-  car.mapper.look_back(car.map);
-  const LaneTraffic of_car(car);
-  EXPECT_GT(of_car.speeds_mps.size(), 0.9 * of_car.cells);
-  EXPECT_NEAR(of_car.speed_mps(0.5), 5.33, 0.3);
-  EXPECT_NEAR(of_car.speed_mps(0.1), 5.33, 1.0);
-  EXPECT_NEAR(of_car.speed_mps(0.9), 5.33, 1.0);
-
-  KeptDrive people(
-      "robot: {path_m: [[0, 0], [8, 0]], speed_mps: 1}\n"
-      "movers:\n"
-      "- person: {path: [[0, 0, 2.3], [8, 12, 2.3]]}\n"
-      "- person: {path: [[0, 12, 3.1], [8, 0, 3.1]]}\n",
-      "[plane: {}]", true);
-  people.mapper.look_back(people.map);
-  const LaneTraffic of_people(people);
-  EXPECT_GT(of_people.speeds_mps.size(), 0.7 * of_people.cells);
-  EXPECT_NEAR(of_people.speed_mps(0.5), 1.5, 0.2);
 }
 
 TEST(Hindsight, packs_the_tiles_that_the_robot_has_left_far_behind)

@@ -120,36 +120,19 @@ TEST_F(Islands, and_floors_are_merged_with_what_they_belong_to)
       {"site_floor_3.tif: no such file", "first of 2 floors"});
 }
 
-TEST_F(Islands, of_the_same_size_come_in_one_order)
+TEST_F(Islands, are_none_of_long_drives_of_what_one_file_takes_and_of_unknown_tiles)
 {
-  drive(site_, 5000, 3, 5000);
-  drive(site_, 0, 3);
-  const auto islands = islands_of(site_, 0);
-  ASSERT_EQ(islands.size(), 2U);
-  EXPECT_EQ(islands[0].tiles.front().x, 0);
-}
-
-TEST_F(Islands, of_tiles_in_which_nothing_is_known_are_none)
-{
-  drive(site_, 0, 30);
+  for (int i = 0; i < 250; ++i) drive(site_, i, 1, i);  // 1.6 km in both directions
+  EXPECT_TRUE(islands_of(site_, 0).empty());
+  Site far(kResolution_m, std::size_t{64} << 20, dir_ / "far");
+  drive(far, 0, 50);
+  drive(far, 1000, 2);
+  drive(far, 1000, 2, 4);
+  EXPECT_TRUE(islands_of(far, 0).empty());
   site_.tiles.at({0, 90000, 90000});
   EXPECT_EQ(islands_of(site_, 0).size(), 1U);
   write_site_files(dir_ / "site.tif", "", site_);
   EXPECT_EQ(info_of_site(dir_ / "site.tif").islands, 0U);
-}
-
-TEST_F(Islands, long_drives_stay_whole)
-{
-  for (int i = 0; i < 250; ++i) drive(site_, i, 1, i);  // 1.6 km in both directions
-  EXPECT_TRUE(islands_of(site_, 0).empty());
-}
-
-TEST_F(Islands, what_is_far_stays_where_one_file_takes_seconds)
-{
-  drive(site_, 0, 50);
-  drive(site_, 1000, 2);
-  drive(site_, 1000, 2, 4);
-  EXPECT_TRUE(islands_of(site_, 0).empty());
 }
 
 TEST_F(Islands, many_parts_that_are_not_so_far_from_each_other_are_divided_too)

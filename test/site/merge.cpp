@@ -90,20 +90,19 @@ TEST(MergeCells, what_only_one_map_knows_stays_as_it_is)
   const SiteCell c = with_obstacle(measured(1.1F, 7), 0.4F);
   EXPECT_EQ(bytes_of(merged({c, SiteCell{}, SiteCell{}})), bytes_of(c));
   EXPECT_FALSE(merged({SiteCell{}, SiteCell{}}).known());
+  EXPECT_EQ(bytes_of(merged({c, c, c})), bytes_of(c)) << "the same observation counts once";
 }
 
-TEST(MergeCells, the_same_observation_counts_once)
-{
-  const SiteCell c = with_obstacle(measured(1.1F, 7), 0.4F);
-  EXPECT_EQ(bytes_of(merged({c, c, c})), bytes_of(c));
-}
-
-TEST(MergeCells, grounds_that_agree_are_weighed_by_their_information)
+TEST(MergeCells, heights_that_agree_are_weighed_by_their_information)
 {
   const SiteCell m = merged({measured(1.0F, 1, 4e-4F), measured(1.01F, 2, 1e-4F)});
   EXPECT_NEAR(m.cell.ground_m, 1.008, 1e-6);
   EXPECT_NEAR(m.cell.ground_variance_m2, 0.8e-4, 1e-9);
   EXPECT_EQ(m.seen_s, 2u);
+  const SiteCell tops =
+      merged({with_obstacle(measured(1, 1), 0.5F), with_obstacle(measured(1, 2), 0.51F)});
+  EXPECT_NEAR(tops.cell.elevation_m, 1.505, 1e-6);
+  EXPECT_NEAR(tops.cell.elevation_variance_m2, 1e-4, 1e-9);
 }
 
 TEST(MergeCells, the_deviation_of_a_mean_tells_how_far_its_maps_disagree)
@@ -131,15 +130,6 @@ TEST(MergeCells, the_newest_wins_where_they_contradict)
   EXPECT_NEAR(three.cell.ground_m, 1.05, 1e-6) << "the older that agrees counts";
 }
 
-TEST(MergeCells, measured_comes_before_filled_before_guessed)
-{
-  const SiteCell m =
-      merged({measured(1.0F, 1), filled(measured(1.1F, 9)), filled(measured(1.2F, 10), 3)});
-  EXPECT_EQ(m.cell.ground_m, 1.0F);
-  EXPECT_EQ(m.cell.state, 1);
-  EXPECT_EQ(merged({filled(measured(1.1F, 9)), filled(measured(1.2F, 10), 3)}).cell.state, 2);
-}
-
 TEST(MergeCells, a_box_that_was_taken_away_is_gone)
 {
   const SiteCell m = merged({with_obstacle(measured(1, 1), 0.5F), measured(1, 2)});
@@ -163,14 +153,6 @@ TEST(MergeCells, a_box_stays_where_a_newer_drive_did_not_see_the_place)
   const SiteCell m = merged({with_obstacle(measured(1, 1), 0.5F), filled(measured(1, 2))});
   EXPECT_EQ(m.cell.elevation_m, 1.5F);
   EXPECT_EQ(m.cell.traversability, 0);
-}
-
-TEST(MergeCells, tops_that_agree_are_weighed_too)
-{
-  const SiteCell m =
-      merged({with_obstacle(measured(1, 1), 0.5F), with_obstacle(measured(1, 2), 0.51F)});
-  EXPECT_NEAR(m.cell.elevation_m, 1.505, 1e-6);
-  EXPECT_NEAR(m.cell.elevation_variance_m2, 1e-4, 1e-9);
 }
 
 TEST(MergeCells, no_order_makes_a_difference_to_any_bit)
@@ -246,6 +228,13 @@ TEST_F(MergeSites, refuses_maps_of_other_frames)
   expect_error([&] { merged_bytes({"a.tif", "coarse.tif"}); }, {"coarse.tif", "resolution"});
   expect_error([&] { merged_bytes({"a.tif", "earth.tif"}); }, {"earth.tif", "origin", "map frame"});
   expect_error([&] { merged_bytes({"a.tif", "none.tif"}); }, {"none.tif", "no such file"});
+  const auto one = site(), other = site();
+  cell_at(*one, 0, 0) = cell_at(*other, 0, 0) = measured(0, 1000);
+  one->channels = channels_from("v:mean");
+  other->channels = channels_from("v:max");
+  write_site(dir_ / "one.tif", *one, 0);
+  write_site(dir_ / "other.tif", *other, 0);
+  expect_error([&] { merged_bytes({"one.tif", "other.tif"}); }, {"'v:mean' has another rule"});
 }
 
 TEST_F(MergeSites, channels_of_all_come_along_the_newest_first)
@@ -277,15 +266,4 @@ TEST_F(MergeSites, channels_of_all_come_along_the_newest_first)
   EXPECT_EQ(value_at(*all, 0, 0, 4), 200);
   EXPECT_EQ(value_at(*all, 1, 0, 0), 9);
   EXPECT_EQ(merged_bytes({"old.tif", "now.tif", "plain.tif"}, 1), bytes);
-}
-
-TEST_F(MergeSites, that_have_a_channel_by_two_rules_are_refused)
-{
-  const auto one = site(), other = site();
-  cell_at(*one, 0, 0) = cell_at(*other, 0, 0) = measured(0, 1000);
-  one->channels = channels_from("v:mean");
-  other->channels = channels_from("v:max");
-  write_site(dir_ / "one.tif", *one, 0);
-  write_site(dir_ / "other.tif", *other, 0);
-  expect_error([&] { merged_bytes({"one.tif", "other.tif"}); }, {"'v:mean' has another rule"});
 }

@@ -55,6 +55,13 @@ void add_cells(Site& s)
   s.ways = {{{-35, -17.5F, 0, 0}, {0, 0.25F, 0.125F, 0}, {35, 17.5F, 3, 1}}};
 }
 
+class SiteGeoTiff : public testing::Test
+{
+ protected:
+  ScratchDir dir;
+  const std::unique_ptr<Site> site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
+};
+
 struct Open
 {
   explicit Open(const std::string& path)
@@ -72,15 +79,13 @@ struct Open
 };
 }  // namespace
 
-TEST(SiteGeoTiff, comes_back_with_the_same_bits)
+TEST_F(SiteGeoTiff, comes_back_with_the_same_bits)
 {
-  const ScratchDir dir;
-  const auto out = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
-  add_cells(*out);
-  write_site(dir / "site.tif", *out, 0);
+  add_cells(*site);
+  write_site(dir / "site.tif", *site, 0);
   read_site(dir / "site.tif", *in, 0);
-  EXPECT_EQ(different_cells(*out, *in), 0);
-  EXPECT_EQ(in->tiles.keys(), out->tiles.keys()) << "only known cells make tiles";
+  EXPECT_EQ(different_cells(*site, *in), 0);
+  EXPECT_EQ(in->tiles.keys(), site->tiles.keys()) << "only known cells make tiles";
   ASSERT_EQ(in->ways.size(), 1u);
   ASSERT_EQ(in->ways[0].size(), 2u) << "the third point is on another floor";
   EXPECT_EQ(in->ways[0][1].y_m, 0.25F);
@@ -89,18 +94,16 @@ TEST(SiteGeoTiff, comes_back_with_the_same_bits)
   EXPECT_EQ(read_bytes(dir / "again.tif"), read_bytes(dir / "site.tif"));
 }
 
-TEST(SiteGeoTiff, channels_are_its_last_bands_and_come_back_with_the_same_bits)
+TEST_F(SiteGeoTiff, channels_are_its_last_bands_and_come_back_with_the_same_bits)
 {
-  const ScratchDir dir;
-  const auto out = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
-  add_cells(*out);
-  write_site(dir / "plain.tif", *out, 0);
-  out->channels = channels_from("intensity:mean,label:vote");
-  value_at(*out, 100, 50, 0) = 0.1F;
-  value_at(*out, 100, 53, 1) = 37.5F;
-  value_at(*out, -100, -50, 2) = 15;
-  value_at(*out, 5000, 5000, 2) = 3;  // of a cell that is not known
-  write_site(dir / "site.tif", *out, 0);
+  add_cells(*site);
+  write_site(dir / "plain.tif", *site, 0);
+  site->channels = channels_from("intensity:mean,label:vote");
+  value_at(*site, 100, 50, 0) = 0.1F;
+  value_at(*site, 100, 53, 1) = 37.5F;
+  value_at(*site, -100, -50, 2) = 15;
+  value_at(*site, 5000, 5000, 2) = 3;  // of a cell that is not known
+  write_site(dir / "site.tif", *site, 0);
   const Open tif(dir / "site.tif"), plain(dir / "plain.tif");
   ASSERT_EQ(tif.data->GetRasterCount(), 14);
   EXPECT_EQ(plain.data->GetRasterCount(), 10);
@@ -109,7 +112,7 @@ TEST(SiteGeoTiff, channels_are_its_last_bands_and_come_back_with_the_same_bits)
   EXPECT_STREQ(tif.item("TALUS_CHANNELS"), "intensity:mean,label:vote");
   EXPECT_STREQ(plain.item("TALUS_CHANNELS"), "(none)");
   read_site(dir / "site.tif", *in, 0);
-  EXPECT_EQ(different_cells(*out, *in), 0);
+  EXPECT_EQ(different_cells(*site, *in), 0);
   EXPECT_EQ(channels_text(in->channels), "intensity:mean,label:vote");
   EXPECT_EQ(value_at(*in, 100, 50, 0), 0.1F);
   EXPECT_EQ(value_at(*in, 100, 53, 1), 37.5F);
@@ -119,10 +122,8 @@ TEST(SiteGeoTiff, channels_are_its_last_bands_and_come_back_with_the_same_bits)
   EXPECT_EQ(read_bytes(dir / "again.tif"), read_bytes(dir / "site.tif"));
 }
 
-TEST(SiteGeoTiff, overviews_show_channels_where_they_show_the_cells)
+TEST_F(SiteGeoTiff, overviews_show_channels_where_they_show_the_cells)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles");
   site->channels = channels_from("label:vote");
   for (int x = 0; x < 1200; ++x)
     for (int y = 0; y < 40; ++y)
@@ -155,10 +156,8 @@ TEST(SiteGeoTiff, overviews_show_channels_where_they_show_the_cells)
   EXPECT_GE(known, 600 * 20);
 }
 
-TEST(SiteGeoTiff, with_values_that_are_none_of_its_channels_is_refused)
+TEST_F(SiteGeoTiff, with_values_that_are_none_of_its_channels_is_refused)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles");
   add_cells(*site);
   site->channels = channels_from("label:mean");
   value_at(*site, 100, 50, 0) = 3.5F;
@@ -173,13 +172,11 @@ TEST(SiteGeoTiff, with_values_that_are_none_of_its_channels_is_refused)
     data->SetMetadataItem("TALUS_CHANNELS", "label:vote");
     GDALClose(data);
   }
-  const auto in = empty_site(dir / "tiles_in");
   expect_error([&] { read_site(dir / "site.tif", *in, 0); }, {"channel 'label' has values"});
 }
 
-TEST(SiteGeoTiff, has_the_same_bytes_whatever_order_its_tiles_and_ways_came_in)
+TEST_F(SiteGeoTiff, has_the_same_bytes_whatever_order_its_tiles_and_ways_came_in)
 {
-  const ScratchDir dir;
   const auto one = empty_site(dir / "tiles"), other = empty_site(dir / "tiles_2");
   add_cells(*one);
   other->tiles.at({0, 100, 100});  // nothing in it is known
@@ -194,10 +191,8 @@ TEST(SiteGeoTiff, has_the_same_bytes_whatever_order_its_tiles_and_ways_came_in)
   EXPECT_EQ(read_bytes(dir / "one.tif"), read_bytes(dir / "other.tif"));
 }
 
-TEST(SiteGeoTiff, overviews_keep_the_worst_of_their_cells)
+TEST_F(SiteGeoTiff, overviews_keep_the_worst_of_their_cells)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles");
   for (int x = 0; x < 1024; ++x) cell_at(*site, x, 0) = measured(1);
   for (const int post : {100, 501, 1002}) cell_at(*site, post, 0).cell.traversability = 0;
   cell_at(*site, 301, 0) = talus::test::with_obstacle(measured(1), 0.8F);
@@ -218,10 +213,8 @@ TEST(SiteGeoTiff, overviews_keep_the_worst_of_their_cells)
   EXPECT_EQ(at(5, 350), 3);
 }
 
-TEST(SiteGeoTiff, is_cloud_optimized_with_overviews_and_sparse_blocks)
+TEST_F(SiteGeoTiff, is_cloud_optimized_with_overviews_and_sparse_blocks)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles");
   add_cells(*site);
   cell_at(*site, 9000, 9000) = measured(1, kNow_s);
   write_site(dir / "site.tif", *site, 0);
@@ -266,10 +259,8 @@ TEST(SiteGeoTiff, is_cloud_optimized_with_overviews_and_sparse_blocks)
       << "no companions";
 }
 
-TEST(SiteGeoTiff, shows_what_is_known_in_every_overview)
+TEST_F(SiteGeoTiff, shows_what_is_known_in_every_overview)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles");
   add_cells(*site);
   write_site(dir / "site.tif", *site, 0);
   const Open tif(dir / "site.tif");
@@ -295,10 +286,8 @@ TEST(SiteGeoTiff, shows_what_is_known_in_every_overview)
   }
 }
 
-TEST(SiteGeoTiff, lies_in_the_map_frame_where_it_has_no_origin)
+TEST_F(SiteGeoTiff, lies_in_the_map_frame_where_it_has_no_origin)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles");
   cell_at(*site, -1, 130) = measured(4, kNow_s);
   write_site(dir / "site.tif", *site, 0);
   const Open tif(dir / "site.tif");
@@ -318,15 +307,14 @@ TEST(SiteGeoTiff, lies_in_the_map_frame_where_it_has_no_origin)
   EXPECT_STREQ(tif.item("TALUS_SEEN_S"), "1760000000");
 }
 
-TEST(SiteGeoTiff, lies_on_earth_where_its_origin_is_known)
+TEST_F(SiteGeoTiff, lies_on_earth_where_its_origin_is_known)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles", 1.0);
+  const auto coarse = empty_site(dir / "tiles", 1.0), back = empty_site(dir / "tiles_in", 1.0);
   // The map's x axis points north: its y axis points west.
-  site->origin = GeoOrigin{48.0, 11.0, 500, 90};
-  cell_at(*site, 1000, 0) = measured(4);
-  cell_at(*site, 0, 0) = measured(4);
-  write_site(dir / "site.tif", *site, 0);
+  coarse->origin = GeoOrigin{48.0, 11.0, 500, 90};
+  cell_at(*coarse, 1000, 0) = measured(4);
+  cell_at(*coarse, 0, 0) = measured(4);
+  write_site(dir / "site.tif", *coarse, 0);
   const Open tif(dir / "site.tif");
   double t[6];
   ASSERT_EQ(tif.data->GetGeoTransform(t), CE_None);
@@ -354,23 +342,20 @@ TEST(SiteGeoTiff, lies_on_earth_where_its_origin_is_known)
   EXPECT_LT(west, 11);
   EXPECT_NEAR(same, 48, 1e-6);
 
-  const auto in = empty_site(dir / "tiles_in", 1.0);
-  read_site(dir / "site.tif", *in, 0);
-  ASSERT_TRUE(in->origin);
-  EXPECT_EQ(in->origin->latitude_deg, 48);
-  EXPECT_EQ(in->origin->altitude_m, 500);
-  EXPECT_EQ(in->origin->heading_deg, 90);
-  EXPECT_EQ(different_cells(*site, *in), 0);
-  in->origin->longitude_deg = 120;
+  read_site(dir / "site.tif", *back, 0);
+  ASSERT_TRUE(back->origin);
+  EXPECT_EQ(back->origin->latitude_deg, 48);
+  EXPECT_EQ(back->origin->altitude_m, 500);
+  EXPECT_EQ(back->origin->heading_deg, 90);
+  EXPECT_EQ(different_cells(*coarse, *back), 0);
+  back->origin->longitude_deg = 120;
   expect_error(
-      [&] { read_site(dir / "site.tif", *in, 0); },
+      [&] { read_site(dir / "site.tif", *back, 0); },
       {"site.tif", "origin", "48 11 500 90", "48 120 500 90"});
 }
 
-TEST(SiteGeoTiff, says_units_statistics_and_classes_of_its_bands)
+TEST_F(SiteGeoTiff, says_units_statistics_and_classes_of_its_bands)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles");
   for (int i = 0; i < 4; ++i)
     cell_at(*site, 300 * i, i) = measured(0.5F * static_cast<float>(i), kNow_s);
   write_site(dir / "site.tif", *site, 0);
@@ -387,14 +372,12 @@ TEST(SiteGeoTiff, says_units_statistics_and_classes_of_its_bands)
   EXPECT_NEAR(deviation, std::sqrt(0.3125), 1e-12);
   const char* const classes = tif.data->GetRasterBand(5)->GetMetadataItem("TALUS_CLASSES");
   ASSERT_TRUE(classes);
-  EXPECT_NE(std::string(classes).find("2 filled from two sides"), std::string::npos);
+  EXPECT_SAYS(std::string(classes), "2 filled from two sides");
   EXPECT_STREQ(tif.item("TALUS_AXES"), "(none)") << "north is up";
 }
 
-TEST(SiteGeoTiff, writes_the_ways_of_a_floor_as_lines_and_points_with_times)
+TEST_F(SiteGeoTiff, writes_the_ways_of_a_floor_as_lines_and_points_with_times)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles");
   cell_at(*site, 0, 0) = measured(0, kNow_s);
   site->origin = GeoOrigin{48, 11, 0, 90};
   site->ways = {
@@ -419,17 +402,14 @@ TEST(SiteGeoTiff, writes_the_ways_of_a_floor_as_lines_and_points_with_times)
   EXPECT_NEAR(path->getY(1), 3, 1e-9);
   EXPECT_FALSE(lines->GetSpatialRef()->IsLocal());
   GDALClose(data);
-  const auto in = empty_site(dir / "tiles_in");
   write_site(dir / "site.tif", *site, 0);
   read_site(dir / "site.tif", *in, 0);
   EXPECT_EQ(in->ways[0][0].stamp_s, 1'760'000'000.5) << "a map that goes on keeps the times";
   EXPECT_EQ(way_file_of("out/site_floor_1.tif"), "out/site_floor_1_way.gpkg");
 }
 
-TEST(SiteGeoTiff, keeps_floors_apart)
+TEST_F(SiteGeoTiff, keeps_floors_apart)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
   cell_at(*site, 0, 0, 0) = measured(0);
   cell_at(*site, 0, 0, 1) = measured(3);
   write_site(dir / "site_floor_1.tif", *site, 1);
@@ -439,10 +419,8 @@ TEST(SiteGeoTiff, keeps_floors_apart)
   EXPECT_EQ(cell_at(*in, 0, 0, 2).cell.ground_m, 3);
 }
 
-TEST(SiteGeoTiff, names_its_floors_and_is_not_read_where_one_is_missing)
+TEST_F(SiteGeoTiff, names_its_floors_and_is_not_read_where_one_is_missing)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
   cell_at(*site, 0, 0, 0) = measured(0);
   write_site_files(dir / "one.tif", dir / "one.png", *site);
   EXPECT_STREQ(Open(dir / "one.tif").item("TALUS_FLOORS"), "(none)");
@@ -460,10 +438,8 @@ TEST(SiteGeoTiff, names_its_floors_and_is_not_read_where_one_is_missing)
   EXPECT_TRUE(none->tiles.keys().empty());
 }
 
-TEST(SiteGeoTiff, a_guess_that_no_ray_has_proved_is_no_area)
+TEST_F(SiteGeoTiff, a_guess_that_no_ray_has_proved_is_no_area)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles");
   for (const int x : {0, 1, 2}) cell_at(*site, x, 0) = measured(1);
   for (const int x : {1, 2}) cell_at(*site, x, 0).cell.state = 3;
   cell_at(*site, 2, 0).cell.traversability = NAN;
@@ -472,10 +448,8 @@ TEST(SiteGeoTiff, a_guess_that_no_ray_has_proved_is_no_area)
   EXPECT_EQ(known.by_state[3], 1U);
 }
 
-TEST(SiteGeoTiff, thins_long_ways_evenly)
+TEST_F(SiteGeoTiff, thins_long_ways_evenly)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
   cell_at(*site, 0, 0) = measured(0);
   std::vector<WayPoint> way;
   for (int i = 0; i < 100'001; ++i) way.push_back({static_cast<float>(i), 0, 0, 0});
@@ -494,11 +468,9 @@ TEST(SiteGeoTiff, thins_long_ways_evenly)
   EXPECT_EQ(read_bytes(dir / "again.tif"), read_bytes(dir / "site.tif"));
 }
 
-TEST(SiteGeoTiff, leaves_the_old_file_when_there_is_nothing_to_write)
+TEST_F(SiteGeoTiff, leaves_the_old_file_when_there_is_nothing_to_write)
 {
-  const ScratchDir dir;
   write_bytes(dir / "site.tif", "precious");
-  const auto site = empty_site(dir / "tiles");
   site->tiles.at({0, 0, 0});
   expect_error([&] { write_site(dir / "site.tif", *site, 0); }, {"site.tif", "floor 0"});
   cell_at(*site, -1'999'999'999, -1'999'999'999) = measured(0);
@@ -507,10 +479,8 @@ TEST(SiteGeoTiff, leaves_the_old_file_when_there_is_nothing_to_write)
   EXPECT_EQ(read_bytes(dir / "site.tif"), "precious");
 }
 
-TEST(SiteGeoTiff, reading_says_what_is_wrong_with_a_file)
+TEST_F(SiteGeoTiff, reading_says_what_is_wrong_with_a_file)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles");
   const auto refused = [&](const std::string& name, const std::vector<std::string>& words)
   { expect_error([&] { read_site(dir / name, *site, 0); }, words); };
   refused("none.tif", {"none.tif", "no such file"});
@@ -525,10 +495,8 @@ TEST(SiteGeoTiff, reading_says_what_is_wrong_with_a_file)
   EXPECT_TRUE(site->tiles.keys().empty());
 }
 
-TEST(SiteGeoTiff, reading_refuses_a_file_wherever_it_is_cut_short)
+TEST_F(SiteGeoTiff, reading_refuses_a_file_wherever_it_is_cut_short)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles");
   add_cells(*site);
   site->origin = GeoOrigin{48.0, 11.0, 500, 90};
   write_site(dir / "site.tif", *site, 0);
@@ -538,7 +506,6 @@ TEST(SiteGeoTiff, reading_refuses_a_file_wherever_it_is_cut_short)
   const auto refused = [&](std::size_t size)
   {
     write_bytes(dir / "cut.tif", bytes.substr(0, size));
-    const auto in = empty_site(dir / "tiles_in");
     EXPECT_THROW(read_site(dir / "cut.tif", *in, 0), std::runtime_error) << size;
   };
   for (std::size_t size = 0; size < kHead; size += 7) refused(size);
@@ -546,14 +513,12 @@ TEST(SiteGeoTiff, reading_refuses_a_file_wherever_it_is_cut_short)
     refused(size);
 }
 
-TEST(SiteGeoTiff, reading_refuses_cells_that_are_none)
+TEST_F(SiteGeoTiff, reading_refuses_cells_that_are_none)
 {
-  const ScratchDir dir;
   const auto refused = [&](const char* name, const auto& change)
   {
-    const auto out = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
-    change(cell_at(*out, 3, 3) = with_obstacle(measured(1, kNow_s), 1));
-    write_site(dir / name, *out, 0);
+    change(cell_at(*site, 3, 3) = with_obstacle(measured(1, kNow_s), 1));
+    write_site(dir / name, *site, 0);
     expect_error([&] { read_site(dir / name, *in, 0); }, {name, "cells", "damaged"});
   };
   refused("state.tif", [](SiteCell& c) { c.cell.state = 5; });
@@ -563,10 +528,8 @@ TEST(SiteGeoTiff, reading_refuses_cells_that_are_none)
   refused("score.tif", [](SiteCell& c) { c.cell.traversability = 1.5F; });
 }
 
-TEST(SiteGeoTiff, reading_refuses_a_bit_that_flipped)
+TEST_F(SiteGeoTiff, reading_refuses_a_bit_that_flipped)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
   add_cells(*site);
   write_site(dir / "site.tif", *site, 0);
   {
@@ -595,10 +558,8 @@ TEST(SiteGeoTiff, reading_refuses_a_bit_that_flipped)
       {"site.tif", "m are not those that were written", "copy it again"});
 }
 
-TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_converted)
+TEST_F(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_converted)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
   cell_at(*site, 3, 3) = with_obstacle(measured(1, kNow_s), 1);
   write_site(dir / "site.tif", *site, 0);
   const auto refused = [&](const std::vector<std::string>& arguments, const std::string& word)
@@ -630,10 +591,8 @@ TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_converted)
   EXPECT_TRUE(in->tiles.keys().empty());
 }
 
-TEST(SiteGeoTiff, tells_what_is_reached_and_reads_files_that_did_not_yet)
+TEST_F(SiteGeoTiff, tells_what_is_reached_and_reads_files_that_did_not_yet)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
   cell_at(*site, 3, 3) = cell_at(*site, 4, 3) = measured(1, kNow_s);
   set_reached(cell_at(*site, 4, 3).cell);
   write_site(dir / "site.tif", *site, 0);
@@ -654,10 +613,8 @@ TEST(SiteGeoTiff, tells_what_is_reached_and_reads_files_that_did_not_yet)
   EXPECT_EQ(different_cells(*site, *in), 0);
 }
 
-TEST(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_cut)
+TEST_F(SiteGeoTiff, reading_refuses_a_file_that_another_program_has_cut)
 {
-  const ScratchDir dir;
-  const auto site = empty_site(dir / "tiles"), in = empty_site(dir / "tiles_in");
   add_cells(*site);
   write_site(dir / "site.tif", *site, 0);
   {

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "sites.h"
+
 using namespace talus;
 using namespace talus::site;
 
@@ -38,10 +40,10 @@ std::vector<ScanFrame> drive(
 /** A map whose drive is kept. */
 struct KeptDrive
 {
-  explicit KeptDrive(bool restores = true, int threads = 1, const std::string& channels = "")
+  explicit KeptDrive(bool restores = true, const std::string& channels = "")
       : site(Parameters().resolution_m, std::size_t{64} << 20, testing::TempDir()),
         mapper(site, restores),
-        map(with_channels(channels), Backend::Cpu, threads)
+        map(with_channels(channels), Backend::Cpu, 1)
   {
   }
   static Parameters with_channels(const std::string& channels)
@@ -75,10 +77,7 @@ struct KeptDrive
   }
   SiteCell at(std::int64_t x, std::int64_t y, int floor = 0)
   {
-    const Tile* tile = site.tiles.find({floor, tile_of(x), tile_of(y)});
-    return tile ? tile->cells[static_cast<std::size_t>(
-                      place_in_tile(y) * kTileCells + place_in_tile(x))]
-                : SiteCell{};
+    return test::known_at(site, x, y, floor);
   }
   float in_window(Layer layer, double x_m, double y_m) const
   {
@@ -153,24 +152,6 @@ double highest(KeptDrive& kept, double x0, double x1, double y0, double y1, int 
 
 const std::string kFlat = "ground: [plane: {}]\n";
 const std::string kStraight = kFlat + "robot: {path_m: [[0, 0], [16, 3]], speed_mps: 2}\n";
-
-std::string bytes_of(KeptDrive& kept)
-{
-  std::string bytes;
-  const auto put = [&](const auto& value)
-  { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
-  for (const TileKey& key : kept.site.tiles.keys())
-  {
-    put(key);
-    for (const SiteCell& c : kept.site.tiles.find(key)->cells)
-    {
-      put(c.seen_s), put(c.cell.state), put(c.cell.evidence), put(c.cell.ground_m);
-      put(c.cell.ground_variance_m2), put(c.cell.elevation_m);
-      put(c.cell.elevation_variance_m2), put(c.cell.traversability);
-    }
-  }
-  return bytes;
-}
 }  // namespace
 
 TEST(SiteMapper, keeps_every_cell_of_a_straight_drive)
@@ -200,6 +181,12 @@ TEST(SiteMapper, keeps_every_cell_of_a_straight_drive)
   const std::uint32_t left_s = kept.cell(-1, 0).seen_s;
   EXPECT_NEAR(left_s - frames.front().stamp_s, 1.5, 1) << "when it left the window";
   EXPECT_EQ(kept.mapper.floor(), 0);
+  ASSERT_EQ(kept.site.ways.size(), 1u);
+  const auto& way = kept.site.ways.front();
+  EXPECT_NEAR(static_cast<double>(way.size()), 14, 3) << "about a point a metre";
+  EXPECT_NEAR(way.front().x_m, 0, 0.01);
+  EXPECT_NEAR(way.back().x_m, 16, 0.5);
+  EXPECT_NEAR(way.back().y_m, 3, 0.2);
 }
 
 TEST(SiteMapper, keeps_the_judgement_of_when_all_around_a_cell_was_in_the_window)
@@ -238,19 +225,6 @@ TEST(SiteMapper, keeps_the_judgement_of_when_all_around_a_cell_was_in_the_window
   EXPECT_GT(compared, 10000);
   EXPECT_GT(blocked, 300);
   EXPECT_LT(other, blocked / 20) << "of " << blocked;
-}
-
-TEST(SiteMapper, writes_down_the_way_about_every_metre)
-{
-  const auto frames = drive(kStraight);
-  KeptDrive kept;
-  kept.add(frames).end();
-  ASSERT_EQ(kept.site.ways.size(), 1u);
-  const auto& way = kept.site.ways.front();
-  EXPECT_NEAR(static_cast<double>(way.size()), 14, 3);
-  EXPECT_NEAR(way.front().x_m, 0, 0.01);
-  EXPECT_NEAR(way.back().x_m, 16, 0.5);
-  EXPECT_NEAR(way.back().y_m, 3, 0.2);
 }
 
 TEST(SiteMapper, a_robot_that_turns_round_finds_the_map_that_it_made)
@@ -404,26 +378,6 @@ TEST(SiteMapper, a_lift_to_another_floor_and_back_gives_two_floors)
   EXPECT_LT(highest(kept, 2, 2.5, 0.7, 1.3, 1), 3.3);
 }
 
-TEST(SiteMapper, decks_that_a_ramp_joins_do_not_overwrite_each_other)
-{
-  const auto frames = drive(
-      "ground:\n- plane: {}\n"
-      "- ramp: {at_m: [3, 8], length_m: 8, height_m: 2.2, width_m: 3.4, top_m: 0}\n"
-      "objects:\n- deck: {at_m: [16.4, 4], size_m: [10.8, 14], z_m: 2.2}\n"
-      "robot: {path_m: [[14, 0], [6, 0], [0, 0], [-2, 4], [0, 8], [4, 8], [14, 8], [17, 4], "
-      "[14, 0]], speed_mps: 2}\n");
-  KeptDrive kept;
-  kept.add(frames).end();
-  const Off lower = off_ground(kept, 0, 0, 12, 16, -2, 2);
-  const Off upper = off_ground(kept, 1, 2.2, 12, 16, -2, 2);
-  EXPECT_GT(lower.cells, 2000);
-  EXPECT_GT(upper.cells, 2000);
-  EXPECT_LT(lower.far, lower.cells / 200);
-  EXPECT_LT(upper.far, upper.cells / 200);
-  EXPECT_EQ(kept.site.tiles.keys().back().floor, 1);
-  EXPECT_EQ(kept.mapper.floor(), 1);
-}
-
 TEST(SiteMapper, on_the_way_down_a_ramp_the_robot_comes_back_to_the_floor_that_it_left)
 {
   const auto frames = drive(
@@ -508,21 +462,12 @@ TEST(SiteMapper, goes_on_with_a_site_that_there_was_before)
   EXPECT_EQ(kept.site.ways.size(), 2u);
 }
 
-TEST(SiteMapper, gives_the_same_bytes_with_any_number_of_threads)
-{
-  const auto frames = drive(kStraight, 0.02);
-  KeptDrive one, four(true, 4);
-  one.add(frames).end();
-  four.add(frames).end();
-  EXPECT_TRUE(bytes_of(one) == bytes_of(four));
-}
-
 namespace
 {
 /** Drives there and back. Points have a value on the way out only: what they hit stands or not. */
 struct ValuedDrive : KeptDrive
 {
-  explicit ValuedDrive(const std::string& channels) : KeptDrive(true, 1, channels)
+  explicit ValuedDrive(const std::string& channels) : KeptDrive(true, channels)
   {
     const std::string world =
         "ground: [plane: {}]\n"
@@ -546,11 +491,8 @@ struct ValuedDrive : KeptDrive
   {
     const auto x = static_cast<std::int64_t>(std::floor(x_m / site.resolution_m));
     const auto y = static_cast<std::int64_t>(std::floor(y_m / site.resolution_m));
-    const ChannelTile* tile = site.channel_tiles.find({0, tile_of(x), tile_of(y)});
-    return tile ? tile->cells[static_cast<std::size_t>(
-                                  place_in_tile(y) * kTileCells + place_in_tile(x))]
-                      .values[layer]
-                : NAN;
+    const bool has_tile = site.channel_tiles.has({0, tile_of(x), tile_of(y)});
+    return has_tile ? test::value_at(site, x, y, layer) : NAN;
   }
   void keep_of_middle()
   {

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <talus/site/tile_store.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <string_view>
@@ -53,6 +54,12 @@ void expect_filled(const Tile* tile, const TileKey& key)
   EXPECT_TRUE(bytes_in(*tile) == bytes_in(expected)) << "not " << key.x << " " << key.y;
 }
 
+class Tiles : public testing::Test
+{
+ protected:
+  ScratchDir dir;
+};
+
 TileKey nth(int i) { return {i % 3, i / 5 - 4, i % 5 - 2}; }
 
 /** So many tiles, which are too many for the store. */
@@ -70,9 +77,8 @@ std::vector<fs::path> files_below(const std::string& folder)
 }
 }  // namespace
 
-TEST(TileStore, keeps_no_more_tiles_in_memory_than_the_budget_and_the_others_on_disk)
+TEST_F(Tiles, keeps_no_more_tiles_in_memory_than_the_budget_and_the_others_on_disk)
 {
-  const ScratchDir dir;
   TileStore store(kEight, dir / "");
   fill(store, 8);
   EXPECT_EQ(store.tiles_in_memory(), 8u);
@@ -83,12 +89,13 @@ TEST(TileStore, keeps_no_more_tiles_in_memory_than_the_budget_and_the_others_on_
     EXPECT_EQ(store.tiles_in_memory(), 8u);
   }
   EXPECT_EQ(files_below(dir / "").size(), 32u);
-  EXPECT_EQ(store.keys().size(), 40u);
+  const auto keys = store.keys();
+  EXPECT_EQ(keys.size(), 40u);
+  EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end())) << "by floor, then row by row";
 }
 
-TEST(TileStore, gives_back_what_was_on_disk_byte_for_byte)
+TEST_F(Tiles, gives_back_what_was_on_disk_byte_for_byte)
 {
-  const ScratchDir dir;
   TileStore store(0, dir / "");
   fill(store, 40);
   EXPECT_EQ(store.tiles_in_memory(), TileStore::kMinInMemory);
@@ -99,9 +106,8 @@ TEST(TileStore, gives_back_what_was_on_disk_byte_for_byte)
   EXPECT_EQ(store.find({7, 7, 7}), nullptr);
 }
 
-TEST(TileStore, gives_back_what_was_packed_byte_for_byte)
+TEST_F(Tiles, gives_back_what_was_packed_byte_for_byte)
 {
-  const ScratchDir dir;
   TileStore store(kEight, dir / "");
   fill(store, 40);
   store.at({9, 0, 0});  // of unknown cells
@@ -118,9 +124,8 @@ TEST(TileStore, gives_back_what_was_packed_byte_for_byte)
   for (int i = 0; i < 39; ++i) expect_filled(store.find(nth(i)), nth(i));
 }
 
-TEST(TileStore, gives_back_values_of_channels_byte_for_byte_packed_or_on_disk)
+TEST_F(Tiles, gives_back_values_of_channels_byte_for_byte_packed_or_on_disk)
 {
-  const ScratchDir dir;
   ChannelStore store(kEight, dir / "");
   const auto value = [](std::size_t i, int tile, std::size_t layer)
   {
@@ -148,9 +153,8 @@ TEST(TileStore, gives_back_values_of_channels_byte_for_byte_packed_or_on_disk)
   EXPECT_FALSE(files_below(dir / "").empty()) << "some are on disk";
 }
 
-TEST(TileStore, packs_classes_in_a_hundredth_of_their_memory)
+TEST_F(Tiles, packs_classes_in_a_hundredth_of_their_memory)
 {
-  const ScratchDir dir;
   ChannelStore store(kEight, dir / "");
   ChannelTile& tile = store.at(nth(0));
   for (std::size_t i = 0; i < tile.cells.size(); ++i)
@@ -161,9 +165,8 @@ TEST(TileStore, packs_classes_in_a_hundredth_of_their_memory)
 }
 
 /** As a site keeps them: heights and variances of ground that is not level, and a few objects. */
-TEST(TileStore, packs_tiles_into_a_fifth_of_their_memory)
+TEST_F(Tiles, packs_tiles_into_a_fifth_of_their_memory)
 {
-  const ScratchDir dir;
   TileStore store(kEight, dir / "");
   Tile& tile = store.at(nth(0));
   for (int i = 0; i < kTileCells * kTileCells; ++i)
@@ -186,55 +189,27 @@ TEST(TileStore, packs_tiles_into_a_fifth_of_their_memory)
   EXPECT_TRUE(bytes_in(*store.find(nth(0))) == bytes_in(before));
 }
 
-TEST(TileStore, lists_all_tiles_by_floor_and_then_row_by_row)
+TEST_F(Tiles, two_in_one_folder_do_not_disturb_each_other_and_leave_nothing_behind)
 {
-  const ScratchDir dir;
-  TileStore store(0, dir / "");
-  fill(store, 20);
-  const auto keys = store.keys();
-  ASSERT_EQ(keys.size(), 20u);
-  for (std::size_t i = 1; i < keys.size(); ++i) EXPECT_TRUE(keys[i - 1] < keys[i]);
-  EXPECT_EQ(keys.front().floor, 0);
-  EXPECT_EQ(keys.back().floor, 2);
-}
-
-TEST(TileStore, keeps_the_tiles_that_were_asked_for_last)
-{
-  const ScratchDir dir;
-  TileStore store(0, dir / "");
-  fill(store, 10);
-  for (int i = 0; i < 3; ++i) store.find(nth(i));
-  for (const auto& file : files_below(dir / "")) fs::remove(file);
-  for (int i = 0; i < 3; ++i) expect_filled(store.find(nth(i)), nth(i));
-}
-
-TEST(TileStore, leaves_nothing_behind)
-{
-  const ScratchDir dir;
   {
-    TileStore store(0, dir / "new/folder");
+    TileStore a(0, dir / "new/folder");
     EXPECT_FALSE(fs::exists(dir / "new"));
-    fill(store, 10);
-    EXPECT_FALSE(fs::is_empty(dir / "new/folder"));
+    fill(a, 10);
+    {
+      TileStore b(0, dir / "new/folder");
+      for (int i = 0; i < 10; ++i) b.at(nth(i));
+    }
+    for (int i = 0; i < 10; ++i) expect_filled(a.find(nth(i)), nth(i));
+    // Those that were asked for last are in memory.
+    for (int i = 0; i < 3; ++i) a.find(nth(i));
+    for (const auto& file : files_below(dir / "")) fs::remove(file);
+    for (int i = 0; i < 3; ++i) expect_filled(a.find(nth(i)), nth(i));
   }
   EXPECT_TRUE(fs::is_empty(dir / "new/folder"));
 }
 
-TEST(TileStore, two_in_one_folder_do_not_disturb_each_other)
+TEST_F(Tiles, names_a_tile_file_that_is_gone_or_damaged)
 {
-  const ScratchDir dir;
-  TileStore a(0, dir / "");
-  fill(a, 10);
-  {
-    TileStore b(0, dir / "");
-    for (int i = 0; i < 10; ++i) b.at(nth(i));
-  }
-  for (int i = 0; i < 10; ++i) expect_filled(a.find(nth(i)), nth(i));
-}
-
-TEST(TileStore, names_a_tile_file_that_is_gone_or_damaged)
-{
-  const ScratchDir dir;
   TileStore store(0, dir / "");
   fill(store, 10);
   const auto path_of = [&](const std::string& part)
@@ -255,9 +230,8 @@ TEST(TileStore, names_a_tile_file_that_is_gone_or_damaged)
   expect_filled(store.find(nth(9)), nth(9));
 }
 
-TEST(TileStore, says_what_to_do_where_the_disk_is_full_and_loses_nothing)
+TEST_F(Tiles, says_what_to_do_where_the_disk_is_full_and_loses_nothing)
 {
-  const ScratchDir dir;
   TileStore store(kEight, dir / "");
   fill(store, 8);
   std::signal(SIGXFSZ, SIG_IGN);
@@ -274,9 +248,8 @@ TEST(TileStore, says_what_to_do_where_the_disk_is_full_and_loses_nothing)
   for (int i = 0; i < 9; ++i) expect_filled(store.find(nth(i)), nth(i));
 }
 
-TEST(TileStore, forgets_tiles_in_memory_and_on_disk_and_goes_on)
+TEST_F(Tiles, forgets_tiles_in_memory_and_on_disk_and_goes_on)
 {
-  const ScratchDir dir;
   TileStore store(kEight, dir / "");
   fill(store, 12);
   store.erase(nth(0));  // the oldest: on disk
@@ -289,7 +262,7 @@ TEST(TileStore, forgets_tiles_in_memory_and_on_disk_and_goes_on)
   EXPECT_FALSE(store.at(nth(0)).cells[1].known()) << "anew";
 }
 
-TEST(TileStore, counts_cells_on_both_sides_of_the_origin)
+TEST(TileOf, counts_cells_on_both_sides_of_the_origin)
 {
   EXPECT_EQ(tile_of(0), 0);
   EXPECT_EQ(tile_of(127), 0);
@@ -297,7 +270,7 @@ TEST(TileStore, counts_cells_on_both_sides_of_the_origin)
   EXPECT_EQ(tile_of(-1), -1);
   EXPECT_EQ(tile_of(-128), -1);
   EXPECT_EQ(tile_of(-129), -2);
-  EXPECT_EQ(place_in_tile(-1), 127);
-  EXPECT_EQ(place_in_tile(-128), 0);
-  EXPECT_EQ(place_in_tile(130), 2);
+  EXPECT_EQ(index_in_tile(-1), 127);
+  EXPECT_EQ(index_in_tile(-128), 0);
+  EXPECT_EQ(index_in_tile(130), 2);
 }

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <nlohmann/json.hpp>
+
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,22 +18,55 @@ struct CommandEnd
 {
   int code = 0;
   std::string text;  //!< of both streams
-};
 
-/** Runs a command line of the shell in a folder. */
-inline CommandEnd run_in(const std::string& folder, const std::string& command)
-{
-  const std::string log = folder + "/log.txt";
-  const int status = std::system(("cd '" + folder + "' && " + command + " >log.txt 2>&1").c_str());
-  return {WEXITSTATUS(status), read_bytes(log)};
-}
+  bool says(const std::string& words) const { return text.find(words) != std::string::npos; }
+};
 
 /** It must have ended with this code, and said these words. */
 inline void expect_end(const CommandEnd& end, int code, const std::vector<std::string>& words)
 {
   EXPECT_EQ(end.code, code) << end.text;
-  for (const auto& word : words)
-    EXPECT_NE(end.text.find(word), std::string::npos) << word << " not in " << end.text;
+  for (const auto& word : words) EXPECT_SAYS(end.text, word);
 }
+
+/** A scratch folder in which commands of the shell run, and what they leave there. */
+class CommandTest : public testing::Test
+{
+ protected:
+  std::string path(const std::string& name = "") const { return dir_ / name; }
+  CommandEnd shell(const std::string& command) const
+  {
+    const int status =
+        std::system(("cd '" + path() + "' && (" + command + ") >log.txt 2>&1").c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text("log.txt")};
+  }
+  /** It must succeed. */
+  void done(const std::string& command) const
+  {
+    const CommandEnd end = shell(command);
+    ASSERT_EQ(end.code, 0) << command << "\n" << end.text;
+  }
+  void write(const std::string& name, const std::string& bytes) const
+  {
+    std::filesystem::create_directories(std::filesystem::path(path(name)).parent_path());
+    write_bytes(path(name), bytes);
+  }
+  std::string text(const std::string& name) const { return read_bytes(path(name)); }
+  nlohmann::json json(const std::string& name) const
+  {
+    return nlohmann::json::parse(text(name), nullptr, false);
+  }
+  bool exists(const std::string& name) const { return std::filesystem::exists(path(name)); }
+  /** How many names in a folder begin with a dot: left by a run. */
+  int hidden(const std::string& folder = "") const
+  {
+    int count = 0;
+    for (const auto& e : std::filesystem::directory_iterator(path(folder)))
+      count += e.path().filename().string()[0] == '.';
+    return count;
+  }
+
+  ScratchDir dir_;
+};
 
 }  // namespace talus::test

@@ -127,5 +127,8 @@ inline std::string real_data(const std::string& name)
 
 }  // namespace talus::test
 
+#define EXPECT_SAYS(text, part) EXPECT_PRED_FORMAT2(testing::IsSubstring, part, text)
+#define EXPECT_SAYS_NOT(text, part) EXPECT_PRED_FORMAT2(testing::IsNotSubstring, part, text)
+
 #define TALUS_SKIP_WITHOUT(path) \
   if ((path).empty()) GTEST_SKIP() << "the recorded file of this test is not installed here"

@@ -34,8 +34,15 @@ inline site::SiteCell& cell_at(site::Site& s, std::int64_t x, std::int64_t y, in
 {
   return s.tiles.at({floor, site::tile_of(x), site::tile_of(y)})
       .cells
-          [static_cast<std::size_t>(site::place_in_tile(y)) * site::kTileCells +
-           static_cast<std::size_t>(site::place_in_tile(x))];
+          [static_cast<std::size_t>(site::index_in_tile(y)) * site::kTileCells +
+           static_cast<std::size_t>(site::index_in_tile(x))];
+}
+
+/** The same, unknown where there is no tile. */
+inline site::SiteCell known_at(site::Site& s, std::int64_t x, std::int64_t y, int floor = 0)
+{
+  const bool has_tile = s.tiles.has({floor, site::tile_of(x), site::tile_of(y)});
+  return has_tile ? cell_at(s, x, y, floor) : site::SiteCell{};
 }
 
 /** A value of the channels of a cell, by layer. */
@@ -44,8 +51,8 @@ inline float& value_at(
 {
   return s.channel_tiles.at({floor, site::tile_of(x), site::tile_of(y)})
       .cells
-          [static_cast<std::size_t>(site::place_in_tile(y)) * site::kTileCells +
-           static_cast<std::size_t>(site::place_in_tile(x))]
+          [static_cast<std::size_t>(site::index_in_tile(y)) * site::kTileCells +
+           static_cast<std::size_t>(site::index_in_tile(x))]
       .values[layer];
 }
 

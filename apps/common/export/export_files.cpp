@@ -55,28 +55,6 @@ Map read_map(const std::string& path, const io::GeotiffFile& file, const ExportF
   return map;
 }
 
-/** Whether a file is one of a site as it was written: no map of a window, nor a part cut out. */
-bool is_site(const std::string& file)
-{
-  try
-  {
-    return site::info_of_site(file).floor >= 0;
-  }
-  catch (const std::runtime_error&)
-  {
-    return false;
-  }
-}
-
-/** A site has all its floors and islands. */
-std::vector<std::string> files_of(const std::string& file)
-{
-  if (!is_site(file)) return {file};
-  std::vector<std::string> files;
-  for (const site::SitePart& part : site::parts_of_site(file, 0)) files.push_back(part.path);
-  return files;
-}
-
 std::vector<std::vector<PagePoint>> ways_of(const Map& map)
 {
   std::vector<std::vector<PagePoint>> ways;
@@ -105,7 +83,7 @@ void write_html(
   write_page(path, map.layers, page);
 }
 
-/** What to tell of it. */
+/** A note on it; "": none. */
 std::string write_as(
     const std::string& format, const std::string& path, const Map& map, const FileOrigin& origin,
     const std::string& title, const ExportOptions& o)
@@ -122,9 +100,9 @@ std::string write_as(
 }
 
 /** All files of a format, or none. */
-void write_or_tell(
+void write_or_report(
     const ExportFormat& format, const std::string& path, const io::GeotiffFile& file,
-    const std::string& stem, const std::string& title, const ExportOptions& o, Exported& told)
+    const std::string& stem, const std::string& title, const ExportOptions& o, Exported& exported)
 {
   const std::string written = stem + format.endings.front();
   try
@@ -132,9 +110,9 @@ void write_or_tell(
     const Map map = read_map(path, file, format);
     const FileOrigin origin = o.origin.value_or(origin_for(map.layers));
     const std::string note = write_as(format.name, written, map, origin, title, o);
-    if (!note.empty()) told.notes.push_back(note);
+    if (!note.empty()) exported.notes.push_back(note);
     if (!o.origin && format.has_origin && (origin.x_m != 0 || origin.y_m != 0))
-      told.notes.push_back(
+      exported.notes.push_back(
           written + ": its coordinates are less by " + number_text(origin.x_m) + ", " +
           number_text(origin.y_m) +
           " m, since floats of 32 bit would be rounded: --origin 0,0,0 of "
@@ -144,7 +122,7 @@ void write_or_tell(
   {
     std::error_code none;
     for (const std::string& ending : format.endings) fs::remove(stem + ending, none);
-    told.errors.push_back(failure_text(e, written, kLessMap));
+    exported.errors.push_back(failure_text(e, written, kLessMap));
   }
 }
 
@@ -160,26 +138,34 @@ std::vector<ExportFormat> formats_of(const ExportOptions& options)
 /** All formats of a file of a map. */
 void export_file(
     const std::string& path, const std::string& stem, const std::string& title,
-    const ExportOptions& o, Exported& told)
+    const ExportOptions& o, Exported& exported)
 {
   try
   {
     const io::GeotiffFile file(path);
     for (const ExportFormat& format : formats_of(o))
-      write_or_tell(format, path, file, stem, title, o, told);
+      write_or_report(format, path, file, stem, title, o, exported);
   }
   catch (const std::exception& e)
   {
-    told.errors.push_back(failure_text(e, path, kLessMap));
+    exported.errors.push_back(failure_text(e, path, kLessMap));
   }
 }
 }  // namespace
 
+std::vector<std::string> files_of_map(const std::string& geotiff)
+{
+  if (!site::is_site(io::GeotiffFile(geotiff))) return {geotiff};
+  std::vector<std::string> files;
+  for (const site::SitePart& part : site::parts_of_site(geotiff, 0)) files.push_back(part.path);
+  return files;
+}
+
 std::vector<std::string> files_of_export(
-    const std::string& geotiff, const std::string& folder, const ExportOptions& options)
+    const std::vector<std::string>& map, const std::string& folder, const ExportOptions& options)
 {
   std::vector<std::string> files;
-  for (const std::string& file : files_of(geotiff))
+  for (const std::string& file : map)
     for (const ExportFormat& format : formats_of(options))
       for (const std::string& ending : format.endings)
         files.push_back((fs::path(folder) / (fs::path(file).stem().string() + ending)).string());
@@ -193,18 +179,33 @@ void require_exportable(const ExportOptions& options)
 }
 
 Exported export_files(
-    const std::string& geotiff, const std::string& folder, const std::string& title,
+    const std::vector<std::string>& map, const std::string& folder, const std::string& title,
     const ExportOptions& options)
 {
-  Exported told;
-  const std::size_t named = fs::path(geotiff).stem().string().size();
-  for (const std::string& path : files_of(geotiff))
+  Exported exported;
+  const std::size_t named = fs::path(map.front()).stem().string().size();
+  for (const std::string& path : map)
   {
     const std::string name = fs::path(path).stem().string();
     export_file(
-        path, (fs::path(folder) / name).string(), title + name.substr(named), options, told);
+        path, (fs::path(folder) / name).string(), title + name.substr(named), options, exported);
   }
-  return told;
+  return exported;
+}
+
+CLI::Option* add_formats(
+    CLI::App& app, const std::string& name, ExportOptions& options, const std::string& help)
+{
+  std::vector<std::string> names;
+  for (const ExportFormat& format : export_formats()) names.push_back(format.name);
+  return app.add_option(name, options.formats, help)
+      ->delimiter(',')
+      ->check(
+          [](const std::string& format) {
+            return format == "gridmap" ? "gridmap: MRPT's occupancy grid is called occupancy" : "";
+          })
+      ->check(CLI::IsMember(names))
+      ->type_name("FORMAT,...");
 }
 
 }  // namespace talus::app

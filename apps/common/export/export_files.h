@@ -21,9 +21,13 @@ struct ExportOptions
   std::size_t max_faces = 2'000'000, max_mb = 30;
 };
 
-/** The files that export_files() may write. Throws as it does. */
+/** The files of a map: of a site also its other floors and islands. Throws std::runtime_error where
+ * one cannot be read. */
+std::vector<std::string> files_of_map(const std::string& geotiff);
+
+/** The files that export_files() may write. */
 std::vector<std::string> files_of_export(
-    const std::string& geotiff, const std::string& folder, const ExportOptions& options);
+    const std::vector<std::string>& map, const std::string& folder, const ExportOptions& options);
 
 /** Throws std::runtime_error where a format needs what is not installed here. */
 void require_exportable(const ExportOptions& options);
@@ -34,11 +38,10 @@ struct Exported
   std::vector<std::string> notes, errors;  //!< each names its file
 };
 
-/** Writes a map.tif, or a site.tif with its other floors and islands, in each of the formats into a
- * folder. What is written is called as the file is. `title`: of the page. What fails costs no other
- * file. Throws std::runtime_error where the map cannot be read. */
+/** Writes the files of a map in each of the formats into a folder. What is written is called as the
+ * file is. `title`: of the page. What fails costs no other file. */
 Exported export_files(
-    const std::string& geotiff, const std::string& folder, const std::string& title,
+    const std::vector<std::string>& map, const std::string& folder, const std::string& title,
     const ExportOptions& options);
 
 /** Adds an option of this name that takes formats, with commas between them. */

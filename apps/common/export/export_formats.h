@@ -10,7 +10,8 @@ namespace talus::app
 struct ExportFormat
 {
   std::string name;  //!< as the option --to names it
-  std::vector<std::string> endings;  //!< of its files, after the name of the map; the first is told
+  std::vector<std::string>
+      endings;  //!< of its files, after the name of the map; the first is the main one
   std::vector<std::string> bands;  //!< that it shows, besides channels
   bool has_origin = false;  //!< its coordinates have 32 bits
 };
@@ -31,7 +32,7 @@ inline const std::vector<ExportFormat>& export_formats()
   return formats;
 }
 
-/** Whether a file of this name is the one of its format that is told. */
+/** Whether a file of this name is the main one of its format. */
 inline bool is_main_file(const std::string& name)
 {
   for (const ExportFormat& format : export_formats())

@@ -76,18 +76,14 @@ void add_fields(CLI::App& app, SourceOptions& o)
 
 void add_options_of_all(CLI::App& app, SourceOptions& o)
 {
-  app.add_option(
-         "--values", o.values,
-         "The value of each point that the log keeps: rgb, or a field such as label, which .bin "
-         "scans have in .label files beside them; semantickitti: these in 16 classes (else the "
-         "intensity)")
-      ->check(app::not_empty())
-      ->type_name("NAME");
-  app.add_option(
-         "--poses", o.poses,
-         "Of the base: TUM text or an MRPT .simplemap; of KITTI's camera: 12 numbers a line")
-      ->check(app::not_empty())
-      ->type_name("FILE");
+  app::add_text(
+      app, "--values", o.values, "NAME",
+      "The value of each point that the log keeps: rgb, or a field such as label, which .bin "
+      "scans have in .label files beside them; semantickitti: these in 16 classes (else the "
+      "intensity)");
+  app::add_text(
+      app, "--poses", o.poses, "FILE",
+      "Of the base: TUM text or an MRPT .simplemap; of KITTI's camera: 12 numbers a line");
   add_choice(
       app, "--poses-of", {"base", "sensor"}, o.poses_of_sensor,
       "Whose poses they are: SLAM programs often write those of the (first) sensor");
@@ -109,15 +105,11 @@ void add_options_of_all(CLI::App& app, SourceOptions& o)
          "Where a sensor is on the base [m, degrees]; again for each")
       ->allow_extra_args(false)
       ->type_name(std::string("LABEL=") + app::kMountingForm);
-  app.add_option(
-         "--scale", o.scale, "Metres of one unit of the points: 0.001 where these are millimetres")
-      ->check(app::between(1e-6, 1e6))
-      ->capture_default_str()
-      ->type_name("METRES");
-  app.add_option("--rate", o.rate_hz, "Scans a second, where nothing says their times")
-      ->check(app::between(0.001, 1e6))
-      ->capture_default_str()
-      ->type_name("HZ");
+  app::add_number(
+      app, "--scale", o.scale, 1e-6, 1e6, "METRES",
+      "Metres of one unit of the points: 0.001 where these are millimetres");
+  app::add_number(
+      app, "--rate", o.rate_hz, 0.001, 1e6, "HZ", "Scans a second, where nothing says their times");
 }
 
 void add_options_of_bags(CLI::App& app, SourceOptions& o)

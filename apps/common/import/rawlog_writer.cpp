@@ -61,8 +61,8 @@ std::vector<std::uint8_t> intensity_in_bytes(const ImportedScan& scan, bool is_i
 {
   std::vector<std::uint8_t> bytes(scan.x_m.size(), 0);
   if (scan.intensity.empty()) return bytes;
-  const float most = *std::max_element(scan.intensity.begin(), scan.intensity.end());
-  const float scale = is_intensity && most <= 1 ? 255.0F : 1.0F;
+  const float max = *std::max_element(scan.intensity.begin(), scan.intensity.end());
+  const float scale = is_intensity && max <= 1 ? 255.0F : 1.0F;
   for (std::size_t i = 0; i < bytes.size(); ++i)
     bytes[i] =
         static_cast<std::uint8_t>(std::lround(std::clamp(scan.intensity[i] * scale, 0.0F, 255.0F)));
@@ -118,7 +118,7 @@ struct RawlogWriter::Impl
   bool is_intensity;  //!< the intensities are such
 };
 
-std::optional<std::string> values_told_by(const std::string& comment)
+std::optional<std::string> values_named_by(const std::string& comment)
 {
   const std::string begin = kIntensitiesAre;
   if (comment.compare(0, begin.size(), begin) != 0) return std::nullopt;

@@ -12,7 +12,7 @@ double stamp_in_log_s(double time_s);
 
 /** What a comment at the start of a log says of the intensities of its points, which are other
  * values: the name of these. Nothing where it says nothing of that. */
-std::optional<std::string> values_told_by(const std::string& comment);
+std::optional<std::string> values_named_by(const std::string& comment);
 
 /** Writes scans as observations, gz-packed as what talus-sim writes: a CObservationPointCloud, or,
  * where points have times and no colours, a decoded CObservationVelodyneScan: the one class that

@@ -92,8 +92,7 @@ WholeCost talus_whole()
   ElevationMapper map(p, Backend::Cpu, 1);
   map.set_output_layers({Layer::Traversability, Layer::Elevation});
   cost.frame_s = drive(scans, [&](const Frame& frame) { mapper.update(map, frame); });
-  const std::size_t tiles = site.tiles.memory().open;  // not of the heap
-  cost.memory_MB = heap_MB() - before_MB + static_cast<double>(tiles) / kMB;
+  cost.memory_MB = heap_MB() - before_MB;
   mapper.keep_window(map);
   mapper.look_back(map);
   const fs::path file = folder.path() / "site.tif";

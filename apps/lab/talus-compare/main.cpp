@@ -256,7 +256,7 @@ int run(CommandOptions& o, const std::string& command)
   talus::app::OutputFolder folder(o.output);  // made before hours of work
   const int code = talus::app::run_command_in_child(
       o.inputs.front(), kLessToCompare, [&] { return compare(o, command, folder); },
-      [&](const std::string& text) { talus::app::print_error(folder.told(text)); });
+      [&](const std::string& text) { talus::app::print_error(folder.shown(text)); });
   if (code == kFailed || talus::app::stop_signal()) return code;
   folder.commit(kSeal);
   return code == kDone ? 0 : 1;

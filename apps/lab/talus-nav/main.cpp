@@ -142,7 +142,7 @@ int drive_or_tell(
   }
   catch (const WrongConfiguration& e)
   {
-    print_error(output.told(e.what()));
+    print_error(output.shown(e.what()));
     return kUsage;
   }
   catch (const std::invalid_argument& e)  // map or route cannot work with the world's numbers
@@ -155,7 +155,7 @@ int drive_or_tell(
   }
   catch (const std::exception& e)
   {
-    print_error(output.told(talus::io::reason_of(e)));
+    print_error(output.shown(talus::io::reason_of(e)));
   }
   return kFailed;
 }

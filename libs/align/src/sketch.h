@@ -1,5 +1,5 @@
 #pragma once
-#include <moved_reader.h>
+#include <site_reader.h>
 
 #include <opencv2/core.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 #include <sqlite3.h>
-#include <talus/io/hidden_folder.h>
+#include <talus/io/atomic_file.h>
 
 #include <array>
 #include <cstdint>

@@ -13,7 +13,7 @@ namespace talus::io
 {
 /** Where a band comes in a file: those that all maps have lie first, in one order. Bands of other
  * names come last. */
-std::size_t place_of_band(const std::string& name);
+std::size_t index_of_band(const std::string& name);
 
 /** "m", "m2", "s", or empty. */
 const char* unit_of_band(const std::string& name);

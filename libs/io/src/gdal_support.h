@@ -1,11 +1,15 @@
 #pragma once
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
+#include <talus/io/geo_origin.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
+// Where a file of a map lies: in the map frame, or on Earth.
 namespace talus::io
 {
 struct CloseDataset
@@ -48,10 +52,10 @@ DatasetPtr open_geotiff(const std::string& path, const GdalErrors& errors);
 
 /** Throws std::runtime_error that names the file and the band unless each band holds float32 as
  * they are: no other type, no scale or offset, no rounding when it was compressed. A program that
- * converts a file keeps its metadata, so that nothing else tells. */
+ * converts a file keeps its metadata, so that nothing else shows it. */
 void require_plain_floats(GDALDataset& dataset, const std::string& path);
 
-/** While it lives, GDAL keeps at most so many blocks in memory. Of the whole process. */
+/** While it lives, GDAL keeps at most 256 MB of blocks in memory. Of the whole process. */
 class GdalCacheLimit
 {
  public:
@@ -66,5 +70,30 @@ class GdalCacheLimit
 
 /** Metres from the origin of the map: belongs nowhere on the globe. */
 OGRSpatialReference map_frame();
+
+/// @name Items of the metadata
+/// @{
+constexpr const char* kOriginItem = "TALUS_ORIGIN";  //!< latitude longitude altitude heading
+/** That north is not up, and what to do; none where the axes of the map point east and north. */
+constexpr const char* kAxesItem = "TALUS_AXES";
+/// @}
+
+std::string text_of_origin(const GeoOrigin& origin);
+/** And back. Nothing where the text is none of an origin. */
+std::optional<GeoOrigin> origin_from(const std::string& text);
+
+/** Metres east and north of the origin; of no place on Earth where there is none. Throws
+ * std::runtime_error where PROJ cannot make it. */
+OGRSpatialReference crs_of(const std::optional<GeoOrigin>& origin);
+
+/** Of an image, north up in the map frame, whose upper left corner is (min_x_m, max_y_m). */
+std::array<double, 6> transform_of(
+    double min_x_m, double max_y_m, double resolution_m, const std::optional<GeoOrigin>& origin);
+
+/** A place of the map frame in the system of crs_of(). */
+void to_crs(double& x_m, double& y_m, const std::optional<GeoOrigin>& origin);
+
+/** Writes the items of the metadata of the origin. */
+void put_origin(GDALDataset& dataset, const std::optional<GeoOrigin>& origin);
 
 }  // namespace talus::io

@@ -5,7 +5,6 @@
 
 #include "bands.h"
 #include "gdal_support.h"
-#include "geo_reference.h"
 
 #include <cpl_string.h>
 
@@ -67,7 +66,7 @@ std::vector<std::size_t> order_of(const LayerStack& stack)
   std::stable_sort(
       order.begin(), order.end(),
       [&](std::size_t a, std::size_t b)
-      { return place_of_band(stack.names[a]) < place_of_band(stack.names[b]); });
+      { return index_of_band(stack.names[a]) < index_of_band(stack.names[b]); });
   return order;
 }
 

@@ -1,11 +1,18 @@
 #include "packed_file.h"
 
+#include <talus/io/atomic_file.h>
+#include <mrpt/serialization/CArchive.h>
+#include <mrpt/serialization/CSerializable.h>
+#include <talus/io/mrpt_error.h>
+#include <talus/io/packed_log.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace talus::io
 {
@@ -22,7 +29,7 @@ PackedFile::PackedFile(const std::string& path)
     : path_(path), file_(path, std::ios::binary), packed_(kChunk), unpacked_(kChunk)
 {
   if (!file_) throw std::runtime_error(path + ": cannot be opened. Check its permissions.");
-  std::error_code is_no_file;  // of a size that it tells
+  std::error_code is_no_file;  // with a size
   const std::uintmax_t size = std::filesystem::file_size(path, is_no_file);
   if (!is_no_file) file_bytes_ = size;
   refill();
@@ -134,6 +141,55 @@ std::uint64_t verified_size(const std::string& path)
   std::vector<char> chunk(kChunk);
   while (file.read(chunk.data(), chunk.size()) == chunk.size()) continue;
   return file.position();
+}
+
+void require_complete_packed(const std::string& path, const std::string& name)
+{
+  const std::string shown = name.empty() ? path : name;
+  std::string reason = "not even its header";
+  try
+  {
+    if (PackedFile(path).is_packed())
+    {
+      verified_size(path);
+      return;
+    }
+  }
+  catch (const std::exception&)
+  {
+    reason = "not to its end";
+  }
+  throw std::runtime_error(
+      shown + ": could not be written, " + reason + "; is the disk full? Free some space there");
+}
+
+PackedLog::PackedLog(std::string path, const std::string& name)
+    : path_(std::move(path)), name_(name.empty() ? path_ : name)
+{
+  if (!file_.open(path_, 1))
+    throw std::runtime_error(
+        name_ + ": cannot be written; is the disk full? Free some space there");
+}
+
+void PackedLog::write(const mrpt::serialization::CSerializable& object)
+{
+  try
+  {
+    auto archive = mrpt::serialization::archiveFrom(file_);
+    archive << object;
+  }
+  catch (const std::exception& e)
+  {
+    throw std::runtime_error(
+        name_ + ": could not be written (" + reason_of(e) +
+        "); is the disk full? Free some space there");
+  }
+}
+
+void PackedLog::close()
+{
+  file_.close();
+  require_complete_packed(path_, name_);
 }
 
 }  // namespace talus::io

@@ -1,15 +1,56 @@
 #pragma once
+#include <mrpt/poses/CPose3D.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <memory>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
-
-#include "unpacker.h"
 
 namespace talus::io
 {
+/** Bytes still to be read. */
+struct Bytes
+{
+  const char* begin = nullptr;
+  std::size_t size = 0;
+};
+/** Memory still to be filled. */
+struct Room
+{
+  char* begin = nullptr;
+  std::size_t size = 0;
+};
+
+/** One way to pack a file. */
+class Unpacker
+{
+ public:
+  virtual ~Unpacker() = default;
+
+  /** For messages: "gz" or "zstd", empty for a file that is not packed. */
+  virtual const char* name() const = 0;
+
+  /** Unpacks from one to the other, and leaves in both what is left. Throws std::runtime_error with
+   * the reason when the data is damaged. */
+  virtual void unpack(Bytes& from, Room& to) = 0;
+
+  /** Whether the data before is whole, so that the file may end here. */
+  virtual bool may_end() const = 0;
+
+  /** Whether data could go on so; asked where may_end() and some data came before. */
+  virtual bool may_go_on_with(std::string_view begin) const = 0;
+};
+
+/** By the first bytes of a file. */
+std::unique_ptr<Unpacker> make_unpacker(std::string_view begin);
+
 /** Bytes that one packed byte may become. Logs of sensors hardly reach 20; files that are made to
  * fill a disk or a memory reach 1,000 (gz) and 30,000 (zstd). */
 constexpr std::uint64_t kMaxPerByte = 250;
@@ -60,5 +101,35 @@ class PackedFile
 /** Reads a file to its end, which compares the checksums of packed data, and returns the number of
  * bytes after unpacking. Throws std::runtime_error as PackedFile does. */
 std::uint64_t verified_size(const std::string& path);
+
+/** What MRPT reads objects from: a file that may be packed. */
+class PackedArchive : public mrpt::serialization::CArchive
+{
+ public:
+  explicit PackedArchive(PackedFile& file) : file_(file) {}
+  std::string getArchiveDescription() const override { return "file"; }
+
+ protected:
+  /** All of it: not every reader of MRPT looks whether it got what it asked for. */
+  std::size_t read(void* to, std::size_t count) override
+  {
+    if (file_.read(to, count) < count)
+      throw std::runtime_error("the data ends in the middle of it");
+    return count;
+  }
+  std::size_t write(const void*, std::size_t) override
+  {
+    throw std::logic_error("an archive for reading");
+  }
+
+ private:
+  PackedFile& file_;
+};
+
+inline bool is_finite(const mrpt::poses::CPose3D& pose)
+{
+  const auto T = pose.getHomogeneousMatrixVal<mrpt::math::CMatrixDouble44>();
+  return std::all_of(T.begin(), T.end(), [](double v) { return std::isfinite(v); });
+}
 
 }  // namespace talus::io

@@ -1,5 +1,7 @@
 #include <talus/io/rawlog_reader.h>
 
+#include "packed_file.h"
+
 #include <mrpt/io/lazy_load_path.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationComment.h>
@@ -11,16 +13,19 @@
 #include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/io/packed_log.h>
+#include <mrpt/maps/registerAllClasses.h>
+#include <mrpt/obs/registerAllClasses.h>
 
-#include "packed_file.h"
-
+#include <algorithm>
 #include <deque>
 #include <filesystem>
+#include <new>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 using mrpt::obs::CObservation;
-
 namespace fs = std::filesystem;
 
 namespace talus::io
@@ -60,6 +65,31 @@ std::vector<std::string> external_files(const CObservation& obs)
       files.push_back(depth->rangeImage_getExternalStorageFileAbsolutePath(layer.first));
   }
   return files;
+}
+
+/** Whether a frame lacks one of its observations: MRPT reads such a frame, and it is of no use. */
+bool lacks_an_observation(const mrpt::serialization::CSerializable& object)
+{
+  auto* frame = dynamic_cast<const mrpt::obs::CSensoryFrame*>(&object);
+  return frame && std::any_of(frame->begin(), frame->end(), [](const auto& obs) { return !obs; });
+}
+
+std::string how_to_import(const std::string& path)
+{
+  return "Of scans or a bag of another program 'talus-import " + path +
+         " --output LOG.rawlog' makes a log";
+}
+
+/** Of a log that can be read. */
+const std::string& readable(const std::string& path)
+{
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    throw std::runtime_error(
+        path + ": is a directory, not a rawlog. Name the file inside it. " + how_to_import(path) +
+        ".");
+  require_readable_file(path, "rawlog");
+  return path;
 }
 }  // namespace
 
@@ -152,5 +182,78 @@ std::uint64_t bytes_of_log(const std::string& path)
 }
 
 double RawlogReader::progress() const { return impl_->stream.progress(); }
+
+struct RawlogStream::Impl
+{
+  explicit Impl(const std::string& p) : path(readable(p)), file(p), archive(file) {}
+
+  std::string path;
+  std::uint64_t object_begin = 0;
+  PackedFile file;
+  PackedArchive archive;
+};
+
+RawlogStream::RawlogStream(const std::string& path) : impl_(std::make_unique<Impl>(path))
+{
+  // Point clouds live in mrpt-maps: a program that calls nothing else of it may not have it loaded.
+  mrpt::obs::registerAllClasses_mrpt_obs();
+  mrpt::maps::registerAllClasses_mrpt_maps();
+  if (impl_->file.at_end())
+    throw std::runtime_error(path + ": holds no data once unpacked. Record it again.");
+}
+RawlogStream::~RawlogStream() = default;
+
+mrpt::serialization::CSerializable::Ptr RawlogStream::next()
+{
+  impl_->object_begin = impl_->file.position();
+  if (impl_->file.at_end()) return nullptr;
+  const std::string else_import =
+      impl_->object_begin == 0 ? ". " + how_to_import(impl_->path) : std::string();
+  try
+  {
+    mrpt::serialization::CSerializable::Ptr object;
+    impl_->archive >> object;
+    if (object && !lacks_an_observation(*object)) return object;
+  }
+  catch (const std::bad_alloc&)
+  {
+    verified_size(impl_->path);  // packed data that is damaged says so itself
+    fail("needs more memory than there is. Most likely the log is damaged there" + else_import);
+  }
+  catch (const std::exception& e)
+  {
+    const std::uint64_t size = verified_size(impl_->path);
+    const std::string reason = reason_of(e);
+    if (reason.find("unknown serialization version") != std::string::npos)
+      fail(
+          "was written by a newer MRPT than this program has (" + reason +
+          "), or is damaged. Read it where that version is installed");
+    const bool at_end = impl_->file.position() >= size;
+    if (impl_->object_begin == 0 && !at_end)
+      throw std::runtime_error(
+          impl_->path + ": not a rawlog, nothing of MRPT begins at byte 0 (" + reason +
+          "). Pass a .rawlog file; if its classes come from a plugin, load the plugin" +
+          else_import + ".");
+    if (at_end)
+      fail(
+          "runs past the end of the file at byte " + std::to_string(size) +
+          ": the log is cut short or damaged. Copy it again, or keep what is whole with "
+          "rawlog-edit --cut" +
+          else_import);
+    fail(
+        "cannot be read (" + reason +
+        "). The log is damaged there, or its class comes from a plugin that is not loaded");
+  }
+  fail("is a null object, or holds one. The log is damaged there");
+}
+
+void RawlogStream::fail(const std::string& what) const
+{
+  throw std::runtime_error(
+      impl_->path + ": the object at byte " + std::to_string(impl_->object_begin) + " " + what +
+      ".");
+}
+
+double RawlogStream::progress() const { return impl_->file.progress(); }
 
 }  // namespace talus::io

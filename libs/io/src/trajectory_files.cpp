@@ -15,7 +15,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "archive.h"
+#include "packed_file.h"
 
 using mrpt::poses::CPose3D;
 

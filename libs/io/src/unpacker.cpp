@@ -1,4 +1,4 @@
-#include "unpacker.h"
+#include "packed_file.h"
 
 #include <talus/io/packed_log.h>
 

@@ -36,7 +36,7 @@ site::SiteMapper::State read_state(detail::StreamReader& in)
   using Choice = site::SiteMapper::Choice;
   const auto place = [&]
   {
-    site::SiteMapper::Place p;
+    site::SiteMapper::Position p;
     for (double* v : {&p.x_m, &p.y_m, &p.z_m}) *v = in.number<double>(kWhole);
     return p;
   };
@@ -124,7 +124,7 @@ site::Site& WholeMap::site_in_hindsight(const ElevationMapper& map)
 const MapSnapshot& WholeMap::floor(const ElevationMapper& map)
 {
   if (shown_) return *shown_;
-  const site::SiteMapper::Place base = mapper_.state().base;
+  const site::SiteMapper::Position base = mapper_.state().base;
   shown_ = &floor_map_.update(
       site(map), mapper_.floor(), map.parameters(), kMaxCells, base.x_m, base.y_m);
   return *shown_;

@@ -25,10 +25,10 @@ std::uint32_t floor_to_float(std::uint32_t whole)
 /** NaN of any bits becomes one. */
 float canonical(float v) { return std::isnan(v) ? kNone : v; }
 
-/** A whole number from 0 to `most`. */
-std::optional<std::uint32_t> whole(float v, std::uint32_t most)
+/** A whole number from 0 to `max`. */
+std::optional<std::uint32_t> whole(float v, std::uint32_t max)
 {
-  if (!(v >= 0 && static_cast<double>(v) <= most && v == std::floor(v))) return std::nullopt;
+  if (!(v >= 0 && static_cast<double>(v) <= max && v == std::floor(v))) return std::nullopt;
   return static_cast<std::uint32_t>(v);
 }
 }  // namespace
@@ -48,15 +48,15 @@ BandValues values_of(const SiteCell& cell, std::uint32_t newest_s)
   const CellRecord& c = cell.cell;
   const auto kept = kept_values(c);
   std::copy(kept.begin(), kept.end(), values.begin());
-  const std::uint32_t age_s = newest_s - cell.seen_s, told_s = floor_to_float(age_s);
+  const std::uint32_t age_s = newest_s - cell.seen_s, kept_s = floor_to_float(age_s);
   const auto put = [&](Band b, float v) { values[static_cast<std::size_t>(b)] = v; };
   const auto pack = [](std::uint32_t low, std::uint32_t middle, std::uint32_t high)
   { return static_cast<float>(low | middle << 8 | high << 16); };
-  put(Band::Age, static_cast<float>(told_s));
+  put(Band::Age, static_cast<float>(kept_s));
   put(Band::ElevationVariance, canonical(c.elevation_variance_m2));
   static_assert(CellRecord::kLastingBytes == 5);
   put(Band::Evidence, pack(c.evidence[0], c.evidence[1], c.evidence[2]));
-  put(Band::Shape, pack(c.evidence[3], c.evidence[4], age_s - told_s));
+  put(Band::Shape, pack(c.evidence[3], c.evidence[4], age_s - kept_s));
   return values;
 }
 
@@ -73,7 +73,7 @@ void TileSum::add(const float* bands, std::size_t count)
   mix(cell_);
   for (std::size_t b = 0; b < count; ++b)
   {
-    if (b == static_cast<std::size_t>(Band::Reached)) continue;  // told by the evidence, too
+    if (b == static_cast<std::size_t>(Band::Reached)) continue;  // in the evidence, too
     std::uint32_t bits = 0;
     std::memcpy(&bits, bands + b, sizeof bits);
     mix(bits);

@@ -17,11 +17,11 @@ enum class Band : std::size_t
   Elevation,
   Variance,
   State,  //!< NaN where the cell is unknown, as in all bands
-  Reached,  //!< told by the evidence; files of older versions have it there alone
+  Reached,  //!< a part of the evidence; files of older versions have it there alone
   Age,  //!< [s] whole, before the newest cell of the file, see Shape
   ElevationVariance,
   Evidence,  //!< the first three bytes of CellRecord::evidence, the first the lowest
-  Shape  //!< the next two, then what a float32 cannot tell of an age above 194 days
+  Shape  //!< the next two, then what a float32 cannot hold of an age above 194 days
 };
 constexpr std::size_t kBandCount = 10;
 constexpr std::array<const char*, kBandCount> kBandNames{

@@ -1,4 +1,4 @@
-#include "column.h"
+#include "surroundings.h"
 
 #include "kept_cell.h"
 #include "strips.h"
@@ -43,35 +43,25 @@ std::vector<Column> columns_of(Site& site, const CellRect& cells, int floor, Whi
   return columns;
 }
 
-/** The bins above a cell that a scan hit, and those that it passed. */
-struct BinsSeen
-{
-  std::uint32_t hit = 0, passed = 0;
-
-  BinsSeen(const SeenRays& scan, float resolution_m, const Column& c)
-  {
-    scan.for_each_over(
-        c.x_m, c.y_m, c.low_m, c.low_m + Column::kBins * Column::kBin_m,
-        [&](float height_m, float behind_m)
-        {
-          if (std::abs(behind_m) <= kHit_cells * resolution_m)
-            hit |= bit(bin_of(height_m, c));
-          else if (behind_m > kPassed_cells * resolution_m)
-            passed |= bit(bin_of(height_m, c));
-        });
-    passed &= ~hit;
-  }
-};
-
 void count(std::uint32_t bins, std::array<std::uint16_t, Column::kBins>& counts)
 {
   for (; bins != 0; bins &= bins - 1) ++counts[static_cast<std::size_t>(__builtin_ctz(bins))];
 }
 
-/** Counts what a scan tells of a cell. */
+/** Counts what a scan saw of a cell. */
 void count(const SeenRays& scan, float resolution_m, bool is_recent, Column& c)
 {
-  const auto [hit, passed] = BinsSeen(scan, resolution_m, c);
+  std::uint32_t hit = 0, passed = 0;  // bins above the cell
+  scan.for_each_over(
+      c.x_m, c.y_m, c.low_m, c.low_m + Column::kBins * Column::kBin_m,
+      [&](float height_m, float behind_m)
+      {
+        if (std::abs(behind_m) <= kHit_cells * resolution_m)
+          hit |= bit(bin_of(height_m, c));
+        else if (behind_m > kPassed_cells * resolution_m)
+          passed |= bit(bin_of(height_m, c));
+      });
+  passed &= ~hit;
   if ((hit | passed) == 0) return;
   if (hit != 0)
   {
@@ -85,11 +75,6 @@ void count(const SeenRays& scan, float resolution_m, bool is_recent, Column& c)
   count(passed, std::isnan(c.first_hit_s) ? c.before : c.later);
 }
 }  // namespace
-
-bool is_hit(const SeenRays& scan, double resolution_m, const Column& c)
-{
-  return BinsSeen(scan, static_cast<float>(resolution_m), c).hit != 0;
-}
 
 std::vector<Column> count_columns(
     Site& site, const CellRect& cells, int floor, Which which, const Scans& scans, double recent_s)

@@ -20,10 +20,10 @@ void put_cell(MapSnapshot& map, std::size_t at, const CellRecord& c)
 }
 
 Window window_around(
-    const CellBox& known, double resolution_m, int most_cells, double x_m, double y_m)
+    const CellBox& known, double resolution_m, int max_cells, double x_m, double y_m)
 {
   const std::int64_t wanted = std::max(known.max_x - known.min_x, known.max_y - known.min_y) + 1;
-  const int side = static_cast<int>(std::min<std::int64_t>(wanted, most_cells));
+  const int side = static_cast<int>(std::min<std::int64_t>(wanted, max_cells));
   const auto first = [&](std::int64_t min, std::int64_t max, double middle_m)
   {
     if (max - min < side) return min;
@@ -39,7 +39,7 @@ Window window_around(
 }  // namespace
 
 const MapSnapshot& FloorMap::update(
-    Site& site, int floor, const Parameters& parameters, int most_cells, double x_m, double y_m)
+    Site& site, int floor, const Parameters& parameters, int max_cells, double x_m, double y_m)
 {
   std::vector<TileKey> changed = site.tiles.take_changed();
   look_at_changed(site, changed);
@@ -48,8 +48,8 @@ const MapSnapshot& FloorMap::update(
     if (key.floor == floor) known.add(box);
   map_.parameters = parameters;
   const Window window =
-      known.empty() ? Window{} : window_around(known, site.resolution_m, most_cells, x_m, y_m);
-  if (floor != floor_ || window.cells != map_.window.cells || !same_place(window, map_.window))
+      known.empty() ? Window{} : window_around(known, site.resolution_m, max_cells, x_m, y_m);
+  if (floor != floor_ || window.cells != map_.window.cells || !is_same_window(window, map_.window))
   {
     begin(window);
     changed.clear();
@@ -97,6 +97,30 @@ void FloorMap::put(Site& site, const TileKey& key)
       put_cell(
           map_, static_cast<std::size_t>(y * w.cells + x),
           tile->cells[static_cast<std::size_t>((y - low) * kTileCells + (x - left))].cell);
+}
+
+void CellBox::add(std::int64_t x, std::int64_t y)
+{
+  min_x = std::min(min_x, x);
+  max_x = std::max(max_x, x);
+  min_y = std::min(min_y, y);
+  max_y = std::max(max_y, y);
+}
+
+void CellBox::add(const CellBox& other)
+{
+  min_x = std::min(min_x, other.min_x);
+  max_x = std::max(max_x, other.max_x);
+  min_y = std::min(min_y, other.min_y);
+  max_y = std::max(max_y, other.max_y);
+}
+
+CellBox known_box(Site& site, int floor)
+{
+  CellBox box;
+  for_each_known(
+      site, floor, [&](std::int64_t x, std::int64_t y, const SiteCell&) { box.add(x, y); });
+  return box;
 }
 
 }  // namespace talus::site

@@ -2,75 +2,54 @@
 
 #include <talus/number_text.h>
 
+#include <gdal_support.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <stdexcept>
 
 namespace talus::site
 {
 namespace
 {
-constexpr double kShortest_m = 10;  // a drive that tells the heading
-constexpr double kRad = M_PI / 180;
+constexpr double kShortest_m = 10;  // a drive that determines the heading
+constexpr double kDegrees = 180 / M_PI;
 
 using Vec3 = std::array<double, 3>;
 
-/** WGS 84. */
-constexpr double kRadius_m = 6378137, kFlattening = 1 / 298.257223563;
-constexpr double kE2 = kFlattening * (2 - kFlattening);
-
-Vec3 earth_centred(double latitude_deg, double longitude_deg, double altitude_m)
-{
-  const double lat = latitude_deg * kRad, lon = longitude_deg * kRad;
-  const double n = kRadius_m / std::sqrt(1 - kE2 * std::sin(lat) * std::sin(lat));
-  const double r = (n + altitude_m) * std::cos(lat);
-  return {r * std::cos(lon), r * std::sin(lon), (n * (1 - kE2) + altitude_m) * std::sin(lat)};
-}
-
-/** East, north, up at a place on Earth. */
+/** Metres east and north of a place on Earth, and degrees. */
 class LocalFrame
 {
  public:
-  LocalFrame(double latitude_deg, double longitude_deg, double altitude_m)
-      : at_(earth_centred(latitude_deg, longitude_deg, altitude_m))
+  LocalFrame(double latitude_deg, double longitude_deg)
+      : local_(io::crs_of(GeoOrigin{latitude_deg, longitude_deg, 0, 0}))
   {
-    const double sp = std::sin(latitude_deg * kRad), cp = std::cos(latitude_deg * kRad);
-    const double sl = std::sin(longitude_deg * kRad), cl = std::cos(longitude_deg * kRad);
-    axes_ = {Vec3{-sl, cl, 0}, Vec3{-sp * cl, -sp * sl, cp}, Vec3{cp * cl, cp * sl, sp}};
+    earth_.CopyGeogCSFrom(&local_);
+    earth_.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    to_local_.reset(OGRCreateCoordinateTransformation(&earth_, &local_));
+    to_earth_.reset(OGRCreateCoordinateTransformation(&local_, &earth_));
+    if (!to_local_ || !to_earth_)
+      throw std::runtime_error("PROJ cannot place the fixes of the log's GPS in a plane");
   }
 
-  Vec3 local(const Vec3& earth) const
+  Vec3 local(double latitude_deg, double longitude_deg, double altitude_m) const
   {
-    Vec3 p{};
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t k = 0; k < 3; ++k) p[i] += axes_[i][k] * (earth[k] - at_[k]);
-    return p;
+    to_local_->Transform(1, &longitude_deg, &latitude_deg);
+    return {longitude_deg, latitude_deg, altitude_m};
   }
-  Vec3 earth(const Vec3& p) const
+  /** Latitude and longitude [degrees]. */
+  std::array<double, 2> earth(double east_m, double north_m) const
   {
-    Vec3 e = at_;
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t k = 0; k < 3; ++k) e[k] += axes_[i][k] * p[i];
-    return e;
+    to_earth_->Transform(1, &east_m, &north_m);
+    return {north_m, east_m};
   }
 
  private:
-  Vec3 at_;
-  std::array<Vec3, 3> axes_{};
+  OGRSpatialReference local_, earth_;
+  std::unique_ptr<OGRCoordinateTransformation> to_local_, to_earth_;
 };
-
-/** Latitude and longitude [degrees]. */
-std::array<double, 2> geodetic(const Vec3& earth)
-{
-  const double r = std::hypot(earth[0], earth[1]);
-  double lat = std::atan2(earth[2], r * (1 - kE2));
-  for (int i = 0; i < 6; ++i)
-  {
-    const double s = std::sin(lat), n = kRadius_m / std::sqrt(1 - kE2 * s * s);
-    lat = std::atan2(earth[2] + kE2 * n * s, r);
-  }
-  return {lat / kRad, std::atan2(earth[1], earth[0]) / kRad};
-}
 
 /** How fixes lie around their middle, and the map around its. */
 struct Alignment
@@ -83,7 +62,7 @@ struct Alignment
     std::vector<Vec3> places;
     places.reserve(fixes.size());
     for (const GpsFix& f : fixes)
-      places.push_back(frame.local(earth_centred(f.latitude_deg, f.longitude_deg, f.altitude_m)));
+      places.push_back(frame.local(f.latitude_deg, f.longitude_deg, f.altitude_m));
     const double share = 1.0 / static_cast<double>(fixes.size());
     for (std::size_t i = 0; i < fixes.size(); ++i)
     {
@@ -117,16 +96,16 @@ std::optional<GeoOrigin> origin_from_fixes(const std::vector<GpsFix>& fixes, std
 {
   if (fixes.empty()) return std::nullopt;
   const GpsFix& first = fixes.front();
-  const LocalFrame frame(first.latitude_deg, first.longitude_deg, first.altitude_m);
+  const LocalFrame frame(first.latitude_deg, first.longitude_deg);
   Alignment a(fixes, frame);
   constexpr double kMax_m = 5;
   if (a.farthest_m < kShortest_m)
   {
     a.heading_rad = 0;
     a.map = {first.x_m, first.y_m, first.z_m};
-    a.local = {};
+    a.local = {0, 0, first.altitude_m};
     warning =
-        "the fixes of the log's GPS are too close to each other to tell where north is; x was "
+        "the fixes of the log's GPS are too close to each other to find north; x was "
         "taken to point east: give --origin LAT,LON,ALT,HEADING";
   }
   else if (a.rms_m > kMax_m)
@@ -134,11 +113,9 @@ std::optional<GeoOrigin> origin_from_fixes(const std::vector<GpsFix>& fixes, std
               " m off that of its poses (root mean square): check where the map lies on Earth, or "
               "give --origin LAT,LON,ALT,HEADING";
   const double c = std::cos(a.heading_rad), s = std::sin(a.heading_rad);
-  const Vec3 origin{
-      a.local[0] - c * a.map[0] + s * a.map[1], a.local[1] - s * a.map[0] - c * a.map[1], 0};
-  const auto [latitude_deg, longitude_deg] = geodetic(frame.earth(origin));
-  return GeoOrigin{
-      latitude_deg, longitude_deg, first.altitude_m + a.local[2] - a.map[2], a.heading_rad / kRad};
+  const auto [latitude_deg, longitude_deg] = frame.earth(
+      a.local[0] - c * a.map[0] + s * a.map[1], a.local[1] - s * a.map[0] - c * a.map[1]);
+  return GeoOrigin{latitude_deg, longitude_deg, a.local[2] - a.map[2], a.heading_rad * kDegrees};
 }
 
 }  // namespace talus::site

@@ -1,7 +1,5 @@
 #include "hindsight.h"
 
-#include "judge_anew.h"
-#include "traffic.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,12 +10,12 @@ namespace talus::site
 {
 namespace
 {
-/// @name Which scans are kept: one each so many metres or seconds, and so many at most.
+/// @name Which scans are kept: at a distance or time from the one before, and how many.
 /// @{
 constexpr double kEvery_m = 0.5, kEvery_s = 0.5;
 constexpr std::size_t kMaxScans = 512;
 /// @}
-constexpr double kReach_m = 30;  //!< a scan tells of cells up to so far away, along x and y
+constexpr double kReach_m = 30;  //!< range of a scan that is used, along x and y
 
 /** How far a place is from a tile, along x or y. */
 double away_m(const TileKey& key, double resolution_m, double x_m, double y_m)
@@ -61,7 +59,7 @@ void Hindsight::keep_if(const Condition& is_needed)
   scans_.resize(kept);
 }
 
-void Hindsight::follow(Site& site, const ElevationMapper& map, const SiteMapper::Place& base)
+void Hindsight::follow(Site& site, const ElevationMapper& map, const SiteMapper::Position& base)
 {
   const double far_m = map.parameters().window_m / 2 + kReach_m;
   const auto is_far = [&](const TileKey& key)

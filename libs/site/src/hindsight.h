@@ -1,11 +1,12 @@
 #pragma once
 #include "seen_rays.h"
-#include "traffic.h"
+#include "surroundings.h"
 
 #include <talus/elevation_mapper.h>
 #include <talus/site/site.h>
 #include <talus/site/site_mapper.h>
 #include <talus/site/traffic_map.h>
+#include <talus/parameters.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +17,32 @@
 
 namespace talus::site
 {
-/** Corrects a site by what later scans and those from farther away tell: the map of a drive is not
+/** Which scans hit what was cleared, in the tiles near the robot, by the index in a tile. */
+using Trails = std::map<TileKey, std::map<int, HitScans>>;
+
+/** Clears what moved from a tile. Of the scans around a cell, some hit what stands there, and
+ * others have rays that passed through the same heights without a hit, before and after, inside of
+ * the window and beyond it. Where so much more passed than was hit, in a square around the cell, it
+ * was traffic; and what stands beside that and was hit by the same scans alone, or those next to
+ * them, is of the same thing. `traffic`, unless it is null: counts where things moved, whether
+ * anything of them is left or not. Returns the tiles beside it into which what has moved goes on.
+ */
+std::set<TileKey> clear_traffic(
+    Site& site, const Parameters& parameters, const TileKey& key, const Scans& scans,
+    Trails& trails, Traffic* traffic);
+
+/** Judges cells of a tile that have changed, and those around them whose judgement rests on them:
+ * they get the fills and the traversability of a map that has measured what the site has.
+ * `changed`: indices in the tile. */
+void reassess(
+    Site& site, const Parameters& parameters, const TileKey& key, const std::vector<int>& changed);
+
+/** Leaves guesses of a tile unjudged that no scan around it proves. A guess goes on level from the
+ * ground on one side, and rays that passed over it may end far below it, often beyond the window.
+ * So a ray has to end there, or close behind, at its height, and none lower. */
+void forget_guesses(Site& site, const TileKey& key, const Scans& scans);
+
+/** Corrects a site by later scans and those from farther away: the map of a drive is not
  * in a hurry. A tile is looked at when the robot is far away from it. */
 class Hindsight
 {
@@ -28,7 +54,7 @@ class Hindsight
   void touch(const TileKey& key) { touched_.insert(key); }
   /** Looks at one tile that the robot has left behind, packs those that were looked at, and forgets
    * scans that nothing needs. */
-  void follow(Site& site, const ElevationMapper& map, const SiteMapper::Place& base);
+  void follow(Site& site, const ElevationMapper& map, const SiteMapper::Position& base);
   /** Counts from now on where things move. */
   void note_traffic() { traffic_.emplace(); }
   /** Null without note_traffic(). */

@@ -16,12 +16,12 @@ namespace talus::site
 {
 namespace
 {
-/** Tiles that lie so far from all others get a file of their own where the rectangle around all has
- * more than so many blocks of 256 x 256 cells, each of which takes about a millisecond to write. */
+/** Tiles that lie far from all others get a file of their own where the rectangle around all has
+ * many blocks of 256 x 256 cells, each of which takes about a millisecond to write. */
 struct Rule
 {
   double far_m;
-  std::int64_t most_blocks;
+  std::int64_t max_blocks;
 };
 constexpr Rule kRules[] = {{2000, 2000}, {500, 8000}};
 constexpr double kNear_m = 250;  // of a way to the tiles that were seen from it
@@ -47,14 +47,14 @@ Square square_of(const TileKey& key, std::int32_t side)
   return {floor_div(key.x, side), floor_div(key.y, side)};
 }
 
-bool has_more_blocks(const Tiles& tiles, std::int64_t most)
+bool has_more_blocks(const Tiles& tiles, std::int64_t max)
 {
   const auto [west, east] = std::minmax_element(
       tiles.begin(), tiles.end(), [](const TileKey& a, const TileKey& b) { return a.x < b.x; });
   const auto [south, north] = std::minmax_element(
       tiles.begin(), tiles.end(), [](const TileKey& a, const TileKey& b) { return a.y < b.y; });
   const auto blocks = [](std::int64_t first, std::int64_t last) { return (last - first) / 2 + 1; };
-  return blocks(west->x, east->x) > most / blocks(south->y, north->y);
+  return blocks(west->x, east->x) > max / blocks(south->y, north->y);
 }
 
 /** Takes the squares that hang together with the first one out. */
@@ -79,7 +79,7 @@ Tiles take_island(Squares& squares)
 
 std::vector<Tiles> divided(const Tiles& tiles, const Rule& rule, double tile_m)
 {
-  if (!has_more_blocks(tiles, rule.most_blocks)) return {tiles};
+  if (!has_more_blocks(tiles, rule.max_blocks)) return {tiles};
   Squares squares;
   const std::int32_t side = side_of_square(rule.far_m, tile_m);
   for (const TileKey& key : tiles) squares[square_of(key, side)].push_back(key);

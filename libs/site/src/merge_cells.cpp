@@ -1,7 +1,6 @@
 #include <talus/site/merge.h>
 
 #include "known_cells.h"
-#include "channel_values.h"
 #include "kept_cell.h"
 
 #include <algorithm>
@@ -37,9 +36,9 @@ auto key(const SiteCell& s)
 bool is_newer(const SiteCell& a, const SiteCell& b) { return key(a) > key(b); }
 bool is_same(const SiteCell& a, const SiteCell& b) { return key(a) == key(b); }
 
-/** The mean of heights by information. Where they lie farther apart than their variances tell, one
- * more variance is added to each, by the method of moments of DerSimonian and Laird: the mean then
- * tells how wrong it may be. */
+/** The mean of heights by information. Where they lie farther apart than their variances allow, one
+ * more variance is added to each, by the method of moments of DerSimonian and Laird: the variance
+ * of the mean then includes it. */
 class Mean
 {
  public:

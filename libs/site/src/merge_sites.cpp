@@ -3,8 +3,8 @@
 #include <talus/site/site_files.h>
 
 #include "changes.h"
-#include "channel_values.h"
-#include "moved_reader.h"
+#include "kept_cell.h"
+#include "site_reader.h"
 
 #include <sys/resource.h>
 
@@ -22,7 +22,7 @@ namespace talus::site
 {
 namespace
 {
-constexpr std::size_t kComparedWith = 4;  //!< maps of a place, each
+constexpr std::size_t kComparedWith = 4;  //!< maps of a tile, each
 constexpr int kGroupTiles = 4;  //!< along each side: some blocks of the files, read together
 
 /** A file, which of the sites it belongs to, and how that is moved. */
@@ -36,7 +36,7 @@ struct Input
 /** A tile of one of the files. */
 struct Source
 {
-  SiteReader::Place place;
+  SiteReader::TileIndex tile;
   std::uint32_t file;
 };
 
@@ -44,12 +44,12 @@ int group_of(int tile) { return tile >= 0 ? tile / kGroupTiles : (tile + 1) / kG
 
 auto order_of(const Source& s)
 {
-  const auto& p = s.place;
+  const auto& p = s.tile;
   return std::make_tuple(group_of(p.y), group_of(p.x), p.y, p.x, s.file);
 }
-bool is_same_place(const Source& a, const Source& b)
+bool is_same_tile(const Source& a, const Source& b)
 {
-  return a.place.x == b.place.x && a.place.y == b.place.y;
+  return a.tile.x == b.tile.x && a.tile.y == b.tile.y;
 }
 
 /** In an order of their own, each once. */
@@ -72,7 +72,7 @@ void sort_ways(Ways& ways)
 }
 
 /** Takes over the ways and the origin of all files; their tiles, neighbours near each other, those
- * of one place together. */
+ * of one tile together. */
 std::vector<Source> open_all(const std::vector<Input>& inputs, Site& site, int floor)
 {
   std::vector<Source> sources;
@@ -83,8 +83,8 @@ std::vector<Source> open_all(const std::vector<Input>& inputs, Site& site, int f
     reader.file().require_fits(site);
     reader.file().add_channels_to(site);
     for (auto& way : reader.ways(floor)) site.ways.push_back(std::move(way));
-    for (const auto& place : reader.tiles())
-      sources.push_back({place, static_cast<std::uint32_t>(i)});
+    for (const auto& tile : reader.tiles())
+      sources.push_back({tile, static_cast<std::uint32_t>(i)});
   }
   sort_ways(site.ways);
   std::sort(
@@ -94,7 +94,7 @@ std::vector<Source> open_all(const std::vector<Input>& inputs, Site& site, int f
 }
 
 /** How many files may be open at once. */
-std::size_t most_open_files()
+std::size_t max_open_files()
 {
   constexpr std::size_t kEnough = 256;
   rlimit limit{};
@@ -109,15 +109,15 @@ class TileMerger
   /** `channels`: of the merged site. */
   TileMerger(
       const std::vector<Input>& inputs, const std::vector<Channel>& channels, double step_m,
-      std::size_t most_open)
+      std::size_t max_open)
       : inputs_(inputs),
         channels_(channels),
         step_m_(step_m),
-        most_open_(std::max<std::size_t>(1, most_open))
+        max_open_(std::max<std::size_t>(1, max_open))
   {
   }
 
-  /** One tile of the merged site from those of one place, and the values of its channels if there
+  /** One tile of the merged site from those of one tile, and the values of its channels if there
    * are any; false where no cell is known. */
   bool merge(const Source* sources, std::size_t count, Tile& to, ChannelTile& values)
   {
@@ -160,7 +160,7 @@ class TileMerger
     const auto& channels = file.file().channels();
     if (!channels.empty() && !read_) read_ = std::make_unique<ChannelTile>();
     ChannelTile* const values = channels.empty() ? nullptr : read_.get();
-    if (!file.read(source.place, *tiles_[found], values)) return false;
+    if (!file.read(source.tile, *tiles_[found], values)) return false;
     if (!channels_.empty()) *values_[found] = {};
     if (values) put_values(*values, channel_indices(channels, channels_), *values_[found]);
     files_.push_back(source.file);
@@ -185,7 +185,7 @@ class TileMerger
       std::rotate(open_.begin(), found, found + 1);
     else
     {
-      if (open_.size() >= most_open_) open_.pop_back();
+      if (open_.size() >= max_open_) open_.pop_back();
       const Input& input = inputs_[file];
       open_.insert(open_.begin(), {file, std::make_unique<MovedReader>(input.path, input.shift)});
     }
@@ -195,7 +195,7 @@ class TileMerger
   const std::vector<Input>& inputs_;
   const std::vector<Channel>& channels_;
   double step_m_;
-  std::size_t most_open_;
+  std::size_t max_open_;
   std::vector<Open> open_;
   std::vector<std::uint32_t> files_;  //!< of the tiles
   FitsOfPairs fits_;
@@ -209,36 +209,36 @@ struct Shared
 {
   const std::vector<Input>& inputs;
   const std::vector<Source>& sources;
-  const std::vector<std::size_t>& begins;  //!< of the sources of each place, and the end
+  const std::vector<std::size_t>& begins;  //!< of the sources of each tile, and the end
   const Progress& progress;
   Site& site;
   int floor;
   double step_m;
-  std::size_t most_open;  //!< by each
+  std::size_t max_open;  //!< by each
   std::atomic<std::size_t> next{0};
   std::mutex mutex{};
   std::exception_ptr failure{};
   FitsOfPairs fits{};
 
-  std::size_t places() const { return begins.size() - 1; }
+  std::size_t tiles() const { return begins.size() - 1; }
 };
 
 void merge_some(Shared& s)
 {
-  TileMerger merger(s.inputs, s.site.channels, s.step_m, s.most_open);
+  TileMerger merger(s.inputs, s.site.channels, s.step_m, s.max_open);
   const auto tile = std::make_unique<Tile>();
   const auto values = std::make_unique<ChannelTile>();
   constexpr std::size_t kAtOnce = std::size_t{kGroupTiles} * kGroupTiles;
-  for (std::size_t first; (first = s.next.fetch_add(kAtOnce)) < s.places();)
-    for (std::size_t i = first; i < std::min(first + kAtOnce, s.places()); ++i)
+  for (std::size_t first; (first = s.next.fetch_add(kAtOnce)) < s.tiles();)
+    for (std::size_t i = first; i < std::min(first + kAtOnce, s.tiles()); ++i)
     {
       const Source* sources = s.sources.data() + s.begins[i];
       if (!merger.merge(sources, s.begins[i + 1] - s.begins[i], *tile, *values)) continue;
       const std::lock_guard<std::mutex> lock(s.mutex);
-      const TileKey key{s.floor, sources->place.x, sources->place.y};
+      const TileKey key{s.floor, sources->tile.x, sources->tile.y};
       s.site.tiles.at(key) = *tile;
       if (!s.site.channels.empty()) s.site.channel_tiles.at(key) = *values;
-      if (s.progress) s.progress(static_cast<double>(i) / static_cast<double>(s.places()));
+      if (s.progress) s.progress(static_cast<double>(i) / static_cast<double>(s.tiles()));
     }
   const std::lock_guard<std::mutex> lock(s.mutex);
   for (const auto& [pair, sums] : merger.fits()) s.fits[pair].add(sums);
@@ -252,7 +252,7 @@ void merge_or_keep_failure(Shared& s)
   }
   catch (...)
   {
-    s.next = s.places();  // the others need not go on
+    s.next = s.tiles();  // the others need not go on
     const std::lock_guard<std::mutex> lock(s.mutex);
     if (!s.failure) s.failure = std::current_exception();
   }
@@ -292,12 +292,12 @@ void merge_floor(
   std::vector<std::size_t> begins;
   begins.reserve(sources.size() + 1);
   for (std::size_t i = 0; i < sources.size(); ++i)
-    if (i == 0 || !is_same_place(sources[i - 1], sources[i])) begins.push_back(i);
+    if (i == 0 || !is_same_tile(sources[i - 1], sources[i])) begins.push_back(i);
   begins.push_back(sources.size());
   const auto cores = std::max(1U, std::thread::hardware_concurrency());
   const auto wanted = options.threads > 0 ? static_cast<unsigned>(options.threads) : cores;
   Shared shared{inputs, sources, begins,         progress,
-                site,   floor,   options.step_m, most_open_files() / wanted};
+                site,   floor,   options.step_m, max_open_files() / wanted};
   std::vector<std::thread> others;
   others.reserve(wanted);
   for (unsigned i = 1; i < wanted; ++i) others.emplace_back([&] { merge_or_keep_failure(shared); });

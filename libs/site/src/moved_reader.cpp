@@ -1,4 +1,4 @@
-#include "moved_reader.h"
+#include "site_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,7 @@ Ways MovedReader::ways(int floor) const
   return ways;
 }
 
-std::set<MovedReader::Key> MovedReader::below(SiteReader::Place tile, bool of_file) const
+std::set<MovedReader::Key> MovedReader::below(SiteReader::TileIndex tile, bool of_file) const
 {
   const double side_m = kTileCells * file_.info().resolution_m;
   double min_x = INFINITY, min_y = INFINITY, max_x = -INFINITY, max_y = -INFINITY;
@@ -60,13 +60,13 @@ std::set<MovedReader::Key> MovedReader::below(SiteReader::Place tile, bool of_fi
   return tiles;
 }
 
-std::vector<SiteReader::Place> MovedReader::tiles() const
+std::vector<SiteReader::TileIndex> MovedReader::tiles() const
 {
   auto of_file = file_.tiles();
   if (!shift_.moves_cells()) return of_file;
   std::set<Key> all;
   for (const auto& tile : of_file) all.merge(below(tile, false));
-  std::vector<SiteReader::Place> places;
+  std::vector<SiteReader::TileIndex> places;
   places.reserve(all.size());
   for (const auto& [x, y] : all) places.push_back({x, y});
   return places;
@@ -78,7 +78,7 @@ void MovedReader::list_tiles()
   for (const auto& tile : file_.tiles()) there_.insert({tile.x, tile.y});
 }
 
-bool MovedReader::read(SiteReader::Place tile, Tile& to, ChannelTile* values)
+bool MovedReader::read(SiteReader::TileIndex tile, Tile& to, ChannelTile* values)
 {
   if (shift_.moves_cells()) return read_moved(tile, to, values);
   const bool any = file_.read(tile, to, values);
@@ -87,7 +87,7 @@ bool MovedReader::read(SiteReader::Place tile, Tile& to, ChannelTile* values)
   return any;
 }
 
-bool MovedReader::read_moved(SiteReader::Place tile, Tile& to, ChannelTile* values)
+bool MovedReader::read_moved(SiteReader::TileIndex tile, Tile& to, ChannelTile* values)
 {
   struct Source
   {
@@ -113,7 +113,7 @@ bool MovedReader::read_moved(SiteReader::Place tile, Tile& to, ChannelTile* valu
     const auto y = static_cast<std::int64_t>(std::floor(y_m / resolution_m));
     const auto found = from.find({tile_of(x), tile_of(y)});
     const auto in_to = static_cast<std::size_t>(i);
-    const auto at = static_cast<std::size_t>(place_in_tile(y) * kTileCells + place_in_tile(x));
+    const auto at = static_cast<std::size_t>(index_in_tile(y) * kTileCells + index_in_tile(x));
     const Source* const source = found == from.end() ? nullptr : found->second.get();
     to.cells[in_to] = source ? source->tile.cells[at] : SiteCell{};
     if (values) values->cells[in_to] = source ? source->values.cells[at] : ChannelRecord{};

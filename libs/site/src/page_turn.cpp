@@ -25,7 +25,7 @@ void add_outline(Site& site, const TileKey& key, std::vector<cv::Point2f>& point
       site, key,
       [&](std::int64_t x, std::int64_t y, const SiteCell&)
       {
-        Ends& row = rows[static_cast<std::size_t>(place_in_tile(y))];
+        Ends& row = rows[static_cast<std::size_t>(index_in_tile(y))];
         row = {std::min(row.first, x), std::max(row.last, x)};
       });
   for (int row = 0; row < kTileCells; ++row)

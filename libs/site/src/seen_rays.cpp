@@ -19,7 +19,7 @@ std::uint16_t centimetres(float length_m)
 
 using Matrix = std::array<float, 12>;
 
-/** The pose, its shift counted from the place of the frame's sensor. */
+/** The pose, its shift counted from the position of the frame's sensor. */
 Matrix from_sensor(const Pose& pose, const Frame& frame)
 {
   Matrix m;
@@ -101,7 +101,7 @@ struct SeenRays::Rays
 {
   static constexpr std::size_t kMax = 256;
   std::array<float, kMax> dx_m, dy_m, dz_m;  //!< from the sensor to the points, map frame
-  std::array<std::int32_t, kMax> places;  //!< in the table; -1: none
+  std::array<std::int32_t, kMax> indices;  //!< in the table; -1: none
   std::array<std::int32_t, kMax> lengths_cm;
   std::size_t n = 0;
 
@@ -125,10 +125,10 @@ struct SeenRays::Rays
       dz_m[i] = m[8] * x + m[9] * y + m[10] * z + m[11];
     }
   }
-  void find_places()
+  void find_indices()
   {
     const float *const dxs = dx_m.data(), *const dys = dy_m.data(), *const dzs = dz_m.data();
-    std::int32_t *const at = places.data(), *const cm = lengths_cm.data();
+    std::int32_t *const at = indices.data(), *const cm = lengths_cm.data();
     const auto end = static_cast<int>(n);
     for (int i = 0; i < end; ++i)
     {
@@ -144,7 +144,7 @@ struct SeenRays::Rays
   }
 };
 
-/** Puts the lengths of a frame's rays into the table, and marks the places that it takes. */
+/** Puts the lengths of a frame's rays into the table, and marks what it takes. */
 void SeenRays::put_into(
     std::vector<std::uint16_t>& table, std::vector<std::uint64_t>& taken, const Frame& frame) const
 {
@@ -154,11 +154,11 @@ void SeenRays::put_into(
   {
     rays.n = std::min(frame.size - first, Rays::kMax);
     rays.turn(frame, first, pose_of);
-    rays.find_places();
+    rays.find_indices();
     for (std::size_t i = 0; i < rays.n; ++i)
     {
-      if (rays.places[i] < 0) continue;
-      const auto at = static_cast<std::size_t>(rays.places[i]);
+      if (rays.indices[i] < 0) continue;
+      const auto at = static_cast<std::size_t>(rays.indices[i]);
       table[at] = std::min(table[at], static_cast<std::uint16_t>(rays.lengths_cm[i]));
       taken[at / kBits] |= std::uint64_t{1} << at % kBits;
     }

@@ -14,7 +14,7 @@ namespace talus::site
 {
 /** The rays of one scan, thinned so that those of many scans can be kept: for each direction and
  * step of slope the shortest ray. Directions, slopes and distances are as in the ray table of the
- * map: places on the border of a square around the sensor, and Chebyshev distances. */
+ * map: points on the border of a square around the sensor, and Chebyshev distances. */
 class SeenRays
 {
  public:
@@ -22,7 +22,7 @@ class SeenRays
    * the scans that were taken before. */
   void take(const Frame& frame, int floor, std::size_t number);
 
-  /** A ray that passes a place and ends behind it; heights in the map frame. */
+  /** A ray that passes a position and ends behind it; heights in the map frame. */
   struct Passing
   {
     float height_m, end_height_m, behind_m;
@@ -35,8 +35,8 @@ class SeenRays
   double stamp_s() const { return stamp_s_; }
   std::size_t number() const { return number_; }
 
-  /** Calls f(height_m, behind_m) for the rays that go over a place between two heights: their
-   * height there, map frame, and how far behind the place they end; negative: before it. */
+  /** Calls f(height_m, behind_m) for the rays that go over a position between two heights: their
+   * height there, map frame, and how far behind the position they end; negative: before it. */
   template <class F>
   void for_each_over(double x_m, double y_m, float low_m, float high_m, const F& f) const
   {
@@ -53,7 +53,7 @@ class SeenRays
     }
   }
 
-  /** The lowest ray of those that go on behind a place by more than `by_m`. */
+  /** The lowest ray of those that go on behind a position by more than `by_m`. */
   std::optional<Passing> lowest_behind(double x_m, double y_m, float by_m) const
   {
     const std::optional<Direction> to = towards(x_m, y_m);
@@ -61,8 +61,7 @@ class SeenRays
     const auto [column, away_m] = *to;
     std::uint32_t i = begins_[column];
     const std::uint32_t end = begins_[column + 1];
-    for (const int least_cm = least_above(away_m + by_m); i < end && lengths_cm_[i] < least_cm;)
-      ++i;
+    for (const int min_cm = first_above(away_m + by_m); i < end && lengths_cm_[i] < min_cm;) ++i;
     if (i == end) return std::nullopt;
     const float length_m = metres(lengths_cm_[i]);
     return Passing{
@@ -82,7 +81,7 @@ class SeenRays
     std::size_t column;
     float away_m;
   };
-  /** Nothing of places at the robot. */
+  /** Nothing of positions at the robot. */
   std::optional<Direction> towards(double x_m, double y_m) const
   {
     const auto dx = static_cast<float>(x_m - x_m_), dy = static_cast<float>(y_m - y_m_);
@@ -102,8 +101,8 @@ class SeenRays
   }
   static float slope_of_row(std::size_t row) { return kSlopes[row]; }
   static float metres(int length_cm) { return static_cast<float>(length_cm) * 0.01F; }
-  /** The least centimetres that are more than a length. */
-  static int least_above(float length_m)
+  /** The smallest number of centimetres that is more than a length. */
+  static int first_above(float length_m)
   {
     int cm = static_cast<int>(length_m * 100);
     while (metres(cm) > length_m) --cm;

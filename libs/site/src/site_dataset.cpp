@@ -61,21 +61,11 @@ class SiteBand : public GDALRasterBand
  private:
   void read(int x, int y, float* to)
   {
-    const Tile* tile = site_.pyramid_.tile(site_.level_, x, y);
-    constexpr std::size_t kSize = std::tuple_size<decltype(Tile::cells)>::value;
-    if (!tile) std::fill_n(to, kSize, std::numeric_limits<float>::quiet_NaN());
-    if (!tile) return;
-    const ChannelTile* const values = site_.pyramid_.values(site_.level_, x, y);
-    std::vector<float> cell(site_.names_.size());
-    for (int r = 0; r < kTileCells; ++r)
-    {
-      const int first = TilePyramid::row_of(site_.level_, r) * kTileCells;
-      for (int c = 0; c < kTileCells; ++c)
-      {
-        site_.put_cell(*tile, values, static_cast<std::size_t>(first + c), cell.data());
-        *to++ = cell[band_];
-      }
-    }
+    constexpr int kSize = kTileCells * kTileCells;
+    const std::size_t bands = site_.names_.size();
+    std::vector<float> all(bands * kSize);
+    site_.read_pixels(x * kTileCells, y * kTileCells, kTileCells, kTileCells, all.data());
+    for (std::size_t i = 0; i < kSize; ++i) to[i] = all[i * bands + band_];
   }
 
   SiteDataset& site_;

@@ -2,7 +2,7 @@
 
 #include "kept_cell.h"
 #include "known_cells.h"
-#include "site_file.h"
+#include "site_metadata.h"
 
 #include <talus/site/islands.h>
 

@@ -1,17 +1,17 @@
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
-#include "channel_values.h"
-#include "moved_reader.h"
-#include "site_dataset.h"
-#include "site_file.h"
+#include "kept_cell.h"
 #include "site_reader.h"
+#include "site_dataset.h"
+#include "site_metadata.h"
 
 #include <talus/io/atomic_file.h>
 #include <talus/number_text.h>
 
 #include <cpl_string.h>
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -61,7 +61,7 @@ CPLStringList options_for(const TilePyramid& pyramid)
   return options;
 }
 
-int CPL_STDCALL tell(double done, const char*, void* progress)
+int CPL_STDCALL report(double done, const char*, void* progress)
 {
   const auto& p = *static_cast<const Progress*>(progress);
   if (p) p(done);
@@ -81,13 +81,13 @@ void check_extent(const std::string& path, const TilePyramid& pyramid, int floor
         " cells, more than a GeoTIFF can hold: did a pose jump? Else divide the drive");
 }
 
-/** To its end: not every version of GDAL tells where the disk was full. */
+/** To its end: not every version of GDAL reports where the disk was full. */
 bool can_be_read(const std::string& path)
 {
   try
   {
     SiteReader reader(path);
-    for (const SiteReader::Place& place : reader.tiles()) reader.check(place);
+    for (const SiteReader::TileIndex& at : reader.tiles()) reader.check(at);
     return true;
   }
   catch (const std::runtime_error&)
@@ -122,10 +122,10 @@ void write_site_file(
       crs_of(site.origin));
   set_metadata(dataset, pyramid, site, of);
   io::DatasetPtr written(cog.CreateCopy(
-      file.temporary_path().c_str(), &dataset, FALSE, options_for(pyramid), tell,
+      file.temporary_path().c_str(), &dataset, FALSE, options_for(pyramid), report,
       const_cast<Progress*>(&progress)));
   dataset.rethrow();
-  written.reset();  // what does not reach the disk is told here at the latest
+  written.reset();  // what does not reach the disk is an error here at the latest
   if (errors.any() || !can_be_read(file.temporary_path())) io::fail(path, io::kNotWritten, errors);
   file.commit();
 }
@@ -142,10 +142,10 @@ void read_site(const std::string& path, Site& site, int floor, const MapShift& s
   const auto values = std::make_unique<ChannelTile>();
   const bool has_values = !reader.file().channels().empty();
   const auto places = channel_indices(reader.file().channels(), site.channels);
-  for (const auto& place : reader.tiles())
+  for (const auto& at : reader.tiles())
   {
-    if (!reader.read(place, *tile, values.get())) continue;
-    const TileKey key{floor, place.x, place.y};
+    if (!reader.read(at, *tile, values.get())) continue;
+    const TileKey key{floor, at.x, at.y};
     site.tiles.at(key) = *tile;
     if (has_values) put_values(*values, places, site.channel_tiles.at(key));
   }
@@ -153,6 +153,16 @@ void read_site(const std::string& path, Site& site, int floor, const MapShift& s
 }
 
 SiteInfo info_of_site(const std::string& path) { return SiteReader(path).info(); }
+
+bool is_site(const io::GeotiffFile& file)
+{
+  if (file.item(kFloorItem).empty()) return false;
+  const io::LayerStack at = file.read({"none of its bands"});
+  const auto begins = [&](const char* cell, double min_m)
+  { return std::abs(number_from(file.item(cell)).value_or(NAN) * at.resolution_m - min_m) < 1e-3; };
+  return begins(kMinCellXItem, at.min_x_m) && begins(kMinCellYItem, at.min_y_m) &&
+         at.cells_x % kTileCells == 0 && at.cells_y % kTileCells == 0;
+}
 
 std::vector<std::vector<WayPoint>> ways_of_site(const io::GeotiffFile& file)
 {

@@ -1,8 +1,7 @@
 #include <talus/site/site_mapper.h>
 
-#include "channel_values.h"
-#include "hindsight.h"
 #include "kept_cell.h"
+#include "hindsight.h"
 #include "strips.h"
 
 #include <algorithm>
@@ -21,7 +20,7 @@ constexpr float kRises_m = kOtherFloor_m / 2;
 /** A window that was kept so lately is not kept once more when the floor is left: the last frame
  * has put what it saw of the other one into it. */
 constexpr double kLately_s = 10;
-/** The floor is chosen when the robot has not risen for so many frames, or drives. */
+/** The floor is chosen when the robot has not risen for some frames, or drives. */
 constexpr int kFramesCalm = 3;
 constexpr double kCalm_m = 0.1, kDrives_m = 0.3;
 constexpr double kWayPoint_m = 1;
@@ -69,7 +68,7 @@ FrameReport SiteMapper::update_kept(ElevationMapper& map, const Frame& frame)
 {
   const Window before = map.window(), after = map.window_after(frame);
   const Pose T_map_base = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
-  const Place base{T_map_base.x(), T_map_base.y(), T_map_base.z()};
+  const Position base{T_map_base.x(), T_map_base.y(), T_map_base.z()};
   with_frame_.before.clear();
   with_frame_.after.clear();
   if (map.empty())
@@ -99,7 +98,7 @@ FrameReport SiteMapper::update_kept(ElevationMapper& map, const Frame& frame)
   return report;
 }
 
-void SiteMapper::begin(const Place& base)
+void SiteMapper::begin(const Position& base)
 {
   state_.calm = base;
   state_.frames_calm = kFramesCalm;
@@ -108,7 +107,7 @@ void SiteMapper::begin(const Place& base)
 
 /** Asks for what leaves with the next frame; keeps all of the window before a frame that may put
  * what it sees of another floor on this one. */
-void SiteMapper::keep_before(const ElevationMapper& map, const Window& after, const Place& base)
+void SiteMapper::keep_before(const ElevationMapper& map, const Window& after, const Position& base)
 {
   if (state_.choice != Choice::None) return;
   const Window now = map.window();
@@ -120,7 +119,7 @@ void SiteMapper::keep_before(const ElevationMapper& map, const Window& after, co
     state_.kept_s = state_.stamp_s;
     state_.calm = base;
   }
-  else if (!same_place(now, after))
+  else if (!is_same_window(now, after))
   {
     const int edge = neighbourhood_cells(map.parameters());
     const Leaving x(Strip::beside_x(now, after), now, edge);
@@ -332,18 +331,17 @@ int SiteMapper::floor_without(const CellRect& cells, std::size_t first)
   return floor;
 }
 
-/** The one with the most cells that agree: so many at least, and more than contradict. */
-std::optional<int> SiteMapper::other_floor(
-    const CellRect& cells, std::size_t first, int fewest_agree)
+/** The one with the most cells that agree: `min_agree` or more, and more than contradict. */
+std::optional<int> SiteMapper::other_floor(const CellRect& cells, std::size_t first, int min_agree)
 {
   std::optional<int> best;
   for (int floor = 0; floor < state_.floors; ++floor)
   {
     if (floor == state_.floor) continue;
     const Votes there = votes(floor, cells, first);
-    if (there.agree < fewest_agree || there.agree <= there.contradict) continue;
+    if (there.agree < min_agree || there.agree <= there.contradict) continue;
     best = floor;
-    fewest_agree = there.agree + 1;
+    min_agree = there.agree + 1;
   }
   return best;
 }
@@ -356,7 +354,7 @@ int SiteMapper::references(const CellRect& cells, std::size_t first) const
       [](const Reference& r) { return !std::isnan(r.ground_m); }));
 }
 
-void SiteMapper::follow(const Place& base)
+void SiteMapper::follow(const Position& base)
 {
   state_.base = base;
   if (state_.choice == Choice::None &&

@@ -15,8 +15,8 @@ namespace
  * [m/m]. */
 constexpr float kRise = 0.25f;
 /** What comes back is off by so much as a whole where the poses have drifted: then it is not
- * restored. More where there is only what lies beside it to tell from: there may be a kerb between,
- * or a slope [m/m]. */
+ * restored. More where there is only what lies beside it to compare with: there may be a kerb
+ * between, or a slope [m/m]. */
 constexpr float kDrifted_m = 0.05f, kDriftedBeside_m = 0.15f, kSlope = 0.7f;
 /** Fewer cells that were measured then and now say nothing. */
 constexpr std::size_t kMinSame = 3;
@@ -68,7 +68,7 @@ bool SiteMapper::was_here(const CellRect& cells) const
 /** Asks for cells that come into the window with the next frame, where any may be given back. */
 void SiteMapper::ask_for_entered(const Window& before, const Window& after)
 {
-  if (!restores_ || state_.choice != Choice::None || same_place(before, after)) return;
+  if (!restores_ || state_.choice != Choice::None || is_same_window(before, after)) return;
   const Strip x = Strip::beside_x(after, before), y = Strip::beside_y(after, before);
   if (was_here(x.cells) || was_here(y.cells))
     with_frame_.after = {x.cells, y.cells, x.beside, y.beside};

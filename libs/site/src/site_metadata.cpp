@@ -14,7 +14,7 @@ namespace
 constexpr std::size_t kMaxPoints = 20000;
 constexpr double kHighestFloor = 1e6;
 
-/** Every so many-th point, and the last of each. */
+/** Every n-th point, and the last of each. */
 void thin(Ways& ways)
 {
   std::size_t points = 0;

@@ -1,8 +1,9 @@
 #pragma once
 #include <talus/site/site.h>
+#include <gdal_support.h>
+#include <talus/site/site_geotiff.h>
 
-#include <geo_reference.h>
-
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -10,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-// What a file of a site tells besides its cells.
+// What a file of a site says besides its cells.
 namespace talus::site
 {
 using Ways = std::vector<std::vector<WayPoint>>;
@@ -57,5 +58,17 @@ using io::kOriginItem;
 using io::origin_from;
 using io::text_of_origin;
 using io::transform_of;
+
+/** What a file has of a site, and which others are written with it. */
+struct FileOfFloor
+{
+  int floor;
+  std::vector<int> floors;  //!< of the site
+  std::size_t islands;  //!< of the floor beside this file
+};
+
+/** As write_site(), of a site that has no tiles but those of the file. */
+void write_site_file(
+    const std::string& path, Site& site, const FileOfFloor& file, const Progress& progress);
 
 }  // namespace talus::site

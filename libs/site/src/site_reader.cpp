@@ -26,7 +26,7 @@ SiteReader::SiteReader(const std::string& path) : path_(path)
   read_channels();
   check_bands();
   read_metadata();
-  check_place();
+  check_extent();
 }
 
 void SiteReader::fail(const std::string& what) const
@@ -107,11 +107,10 @@ std::string SiteReader::item(const char* name) const
   return text;
 }
 
-std::int64_t SiteReader::whole_item(const char* name, std::int64_t least, std::int64_t most) const
+std::int64_t SiteReader::whole_item(const char* name, std::int64_t min, std::int64_t max) const
 {
   const auto v = number_from(item(name));
-  if (!v || *v != std::floor(*v) || *v < static_cast<double>(least) ||
-      *v > static_cast<double>(most))
+  if (!v || *v != std::floor(*v) || *v < static_cast<double>(min) || *v > static_cast<double>(max))
     fail(std::string("its ") + name + " is no whole number that fits; it is " + kDamaged);
   return static_cast<std::int64_t>(*v);
 }
@@ -138,12 +137,12 @@ void SiteReader::read_metadata()
   if (const char* text = dataset_->GetMetadataItem(kOriginItem))
   {
     origin_ = origin_from(text);
-    if (!origin_) fail(std::string("its ") + kOriginItem + " is no place; it is " + kDamaged);
+    if (!origin_) fail(std::string("its ") + kOriginItem + " is no position; it is " + kDamaged);
   }
 }
 
 /** A program that cuts or resamples a file keeps the metadata of the whole. */
-void SiteReader::check_place()
+void SiteReader::check_extent()
 {
   const int width = dataset_->GetRasterXSize(), height = dataset_->GetRasterYSize();
   const auto expected = transform_of(
@@ -184,11 +183,11 @@ Ways SiteReader::ways(int floor) const
   return std::move(*ways);
 }
 
-std::vector<SiteReader::Place> SiteReader::tiles() const
+std::vector<SiteReader::TileIndex> SiteReader::tiles() const
 {
   int size = 1;
   while (size < std::max(width_tiles_, height_tiles_)) size *= 2;
-  std::vector<Place> found;
+  std::vector<TileIndex> found;
   const io::GdalErrors errors;
   add_covered({0, 0}, size, found);
   // A file that ends in its list of blocks seems to have none.
@@ -197,7 +196,7 @@ std::vector<SiteReader::Place> SiteReader::tiles() const
 }
 
 /** `from` is counted from the upper left corner of the image here. */
-void SiteReader::add_covered(Place from, int size_tiles, std::vector<Place>& to) const
+void SiteReader::add_covered(TileIndex from, int size_tiles, std::vector<TileIndex>& to) const
 {
   if (from.x >= width_tiles_ || from.y >= height_tiles_) return;
   const int width = std::min(size_tiles, width_tiles_ - from.x) * kTileCells;
@@ -220,7 +219,7 @@ void SiteReader::add_covered(Place from, int size_tiles, std::vector<Place>& to)
 }
 
 /** The first bands of a tile. The file has all of a block side by side. */
-void SiteReader::load(Place tile, std::size_t bands)
+void SiteReader::load(TileIndex tile, std::size_t bands)
 {
   const int left = (tile.x - tile_of(min_cell_x_)) * kTileCells;
   const int top = (height_tiles_ - 1 - (tile.y - tile_of(min_cell_y_))) * kTileCells;
@@ -237,7 +236,7 @@ void SiteReader::load(Place tile, std::size_t bands)
 }
 
 /** Of the tile that was loaded. */
-void SiteReader::check_sum(Place tile)
+void SiteReader::check_sum(TileIndex tile)
 {
   const char* text = dataset_->GetMetadataItem(kSumsItem);
   if (!text) return;
@@ -246,15 +245,15 @@ void SiteReader::check_sum(Place tile)
   TileSum sum;
   for (std::size_t i = 0; i < values_.size(); i += bands_.size())
     sum.add(values_.data() + i, bands_.size());
-  const auto told = sums_->find({tile.x, tile.y});
-  if (sum.value() == (told == sums_->end() ? TileSum().value() : told->second)) return;
+  const auto written = sums_->find({tile.x, tile.y});
+  if (sum.value() == (written == sums_->end() ? TileSum().value() : written->second)) return;
   fail(
       "its cells near (" + fixed_text((tile.x + 0.5) * kTileCells * info_.resolution_m, 0) + ", " +
       fixed_text((tile.y + 0.5) * kTileCells * info_.resolution_m, 0) +
       ") m are not those that were written; it is " + kDamaged);
 }
 
-bool SiteReader::read(Place tile, Tile& to, ChannelTile* values)
+bool SiteReader::read(TileIndex tile, Tile& to, ChannelTile* values)
 {
   load(tile, bands_.size());
   check_sum(tile);

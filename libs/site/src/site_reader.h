@@ -2,12 +2,14 @@
 #include "site_metadata.h"
 
 #include <talus/site/site_geotiff.h>
-
 #include <gdal_support.h>
+#include <talus/site/map_shift.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,30 +35,30 @@ class SiteReader
   /** As of floor `floor`. */
   Ways ways(int floor) const;
 
-  struct Place
+  struct TileIndex
   {
     std::int32_t x, y;
   };
   /** The tiles that may have a known cell; neighbours are near each other. */
-  std::vector<Place> tiles() const;
+  std::vector<TileIndex> tiles() const;
   /** Throws where one of those is cut short; what its cells say is not looked at. */
-  void check(Place tile) { load(tile, 1); }
+  void check(TileIndex tile) { load(tile, 1); }
   /** One of those, and whether it has a known cell; in `values`, unless it is null, the values of
    * its channels. Throws as the constructor. */
-  bool read(Place tile, Tile& to, ChannelTile* values = nullptr);
+  bool read(TileIndex tile, Tile& to, ChannelTile* values = nullptr);
 
  private:
-  void load(Place tile, std::size_t bands);
+  void load(TileIndex tile, std::size_t bands);
   void read_channels();
   void check_bands();
   void check_values(int bands) const;
   void read_metadata();
-  void check_place();
-  void check_sum(Place tile);
+  void check_extent();
+  void check_sum(TileIndex tile);
   void read_values(ChannelTile& to) const;
   std::string item(const char* name) const;
-  std::int64_t whole_item(const char* name, std::int64_t least, std::int64_t most) const;
-  void add_covered(Place from, int size_tiles, std::vector<Place>& to) const;
+  std::int64_t whole_item(const char* name, std::int64_t min, std::int64_t max) const;
+  void add_covered(TileIndex from, int size_tiles, std::vector<TileIndex>& to) const;
   [[noreturn]] void fail(const std::string& what) const;
 
   std::string path_;
@@ -69,6 +71,34 @@ class SiteReader
   std::vector<int> bands_;  //!< their numbers in the file, in our order
   std::vector<float> values_;
   std::optional<TileSums> sums_;  //!< of its tiles, from the first one on
+};
+
+/** A file of a site, moved: heights change by exactly what is asked for; where cells move to other
+ * positions, each is the one of the file that lies nearest. */
+class MovedReader
+{
+ public:
+  /** Throws as SiteReader. */
+  MovedReader(const std::string& path, const MapShift& shift);
+
+  const SiteReader& file() const { return file_; }
+  /** As of floor `floor`, moved. */
+  Ways ways(int floor) const;
+  /** The tiles that may have a known cell. */
+  std::vector<SiteReader::TileIndex> tiles() const;
+  /** One of those, and whether it has a known cell. Throws as SiteReader. */
+  bool read(SiteReader::TileIndex tile, Tile& to, ChannelTile* values = nullptr);
+
+ private:
+  using Key = std::pair<std::int32_t, std::int32_t>;  //!< x, y
+  /** The tiles of the file below a tile of the moved map, or the other way round. */
+  std::set<Key> below(SiteReader::TileIndex tile, bool of_file) const;
+  bool read_moved(SiteReader::TileIndex tile, Tile& to, ChannelTile* values);
+  void list_tiles();
+
+  SiteReader file_;
+  MapShift shift_;
+  std::set<Key> there_;  //!< in the file; only where cells move, and from the first read() on
 };
 
 }  // namespace talus::site

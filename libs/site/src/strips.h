@@ -11,7 +11,7 @@
 namespace talus::site
 {
 inline CellRect rect_of(const Window& w) { return {w.min_cell_x, w.min_cell_y, w.cells, w.cells}; }
-inline bool same_place(const Window& a, const Window& b)
+inline bool is_same_window(const Window& a, const Window& b)
 {
   return a.min_cell_x == b.min_cell_x && a.min_cell_y == b.min_cell_y;
 }
@@ -79,7 +79,7 @@ struct Leaving
   }
 };
 
-/** Whether a cell of the window is fewer than so many from its edge. */
+/** Whether a cell of the window is fewer than `fewer_than` cells from its edge. */
 inline bool is_at_edge(const Window& w, std::int64_t cell_x, std::int64_t cell_y, int fewer_than)
 {
   const std::int64_t x = cell_x - w.min_cell_x, y = cell_y - w.min_cell_y;
@@ -98,7 +98,7 @@ template <class F>
 void for_each_tile(const CellRect& r, int floor, const F& f)
 {
   const auto length = [](std::int64_t first, int size, int from)
-  { return std::min(size - from, kTileCells - place_in_tile(first + from)); };
+  { return std::min(size - from, kTileCells - index_in_tile(first + from)); };
   for (int y = 0, height = 0; y < r.height_cells; y += height)
   {
     height = length(r.min_cell_y, r.height_cells, y);
@@ -115,8 +115,8 @@ void for_each_tile(const CellRect& r, int floor, const F& f)
 template <class F>
 void for_each_cell(const CellRect& r, const TilePart& part, const F& f)
 {
-  const int tile_x = place_in_tile(r.min_cell_x + part.x);
-  const int tile_y = place_in_tile(r.min_cell_y + part.y);
+  const int tile_x = index_in_tile(r.min_cell_x + part.x);
+  const int tile_y = index_in_tile(r.min_cell_y + part.y);
   for (int row = 0; row < part.height; ++row)
   {
     const auto from = static_cast<std::size_t>((part.y + row) * r.width_cells + part.x);

@@ -1,8 +1,14 @@
 #pragma once
-#include "column.h"
 #include "strips.h"
+#include "seen_rays.h"
+
+#include <talus/cell_record.h>
+#include <talus/site/site.h>
+#include <talus/site/traffic_map.h>
 
 #include <algorithm>
+#include <array>
+#include <bitset>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -10,15 +16,49 @@
 #include <utility>
 #include <vector>
 
-// What was hit and passed around a cell, and whether it has moved.
+// What scans hit above cells and passed through there, and whether it has moved.
 namespace talus::site
 {
+/** Which of the last scans hit something, by their number. */
+using HitScans = std::bitset<128>;
+
+/** A cell: how many scans hit something above it, and how many passed through it before it was hit
+ * first, and later, in bins of height above its ground. Lower things are judged by what is around
+ * them. */
+struct Column
+{
+  static constexpr int kBins = 16, kNoBin = -1;
+  static constexpr float kLowest_m = 0.2F, kBin_m = 0.1F;
+
+  std::size_t at = 0;  //!< in the rectangle of cells
+  double x_m = 0, y_m = 0;
+  float low_m = 0;
+  int top_bin = kNoBin;  //!< of what stands there
+  std::array<std::uint16_t, kBins> hits{}, before{}, later{};
+  double first_hit_s = NAN, last_hit_s = NAN;
+  HitScans when;
+  TrafficCell recent;  //!< of the scans that were not noted before
+
+  bool stands() const { return top_bin != kNoBin; }
+};
+
+/** Which cells have a column. */
+enum class Which
+{
+  Standing,  //!< those on which something stands
+  All  //!< those with a ground
+};
+
+/** The columns of a rectangle of cells of a floor. Scans are recent after a time. */
+std::vector<Column> count_columns(
+    Site& site, const CellRect& cells, int floor, Which which, const Scans& scans, double recent_s);
+
 /** Of scans, in the bins in which a cell was hit. */
 struct Sums
 {
-  static constexpr int kPassesPerHit = 4;  //!< from so many on what was hit has moved
+  static constexpr int kPassesPerHit = 4;  //!< from here on what was hit has moved
   /** What was hit for longer in the mean of the square has come to stay: that rays passed there
-   * before it came tells nothing. */
+   * before it came says nothing. */
   static constexpr double kStays_s = 3;
   /// @name What was hit for a moment, in the mean of the square, as a whole in one or two scans
   /// @{
@@ -87,14 +127,14 @@ class Surroundings
   }
   const CellRect& rect() const { return rect_; }
   void put(const Column& c) { sums_[c.at] = sums_of(c); }
-  /** Of the square around a place. */
+  /** Of the square around a cell. */
   Sums sums_around(std::size_t at) const
   {
     Sums all;
     for_each_near(at, margin_, [&](std::size_t near) { all.add(sums_[near]); });
     return all;
   }
-  /** Calls f(place) for the places in a square around one. */
+  /** Calls f(index) for the cells in a square around one. */
   template <class F>
   void for_each_near(std::size_t at, int radius, const F& f) const
   {
@@ -110,17 +150,17 @@ class Surroundings
   {
     site::for_each_tile(rect_, key_.floor, [&](const TilePart& part) { f(part.key); });
   }
-  /** The tile of a place in the square, and where that is in it. */
+  /** The tile of a cell in the square, and its index there. */
   std::pair<TileKey, int> in_tile(std::size_t at) const
   {
     const std::int64_t x = rect_.min_cell_x + x_of(at), y = rect_.min_cell_y + y_of(at);
-    return {{key_.floor, tile_of(x), tile_of(y)}, place_in_tile(y) * kTileCells + place_in_tile(x)};
+    return {{key_.floor, tile_of(x), tile_of(y)}, index_in_tile(y) * kTileCells + index_in_tile(x)};
   }
-  /** Of a place in a tile that may be another one. */
-  std::optional<std::size_t> place_of(const TileKey& key, int place) const
+  /** The index in the square of a cell of a tile. */
+  std::optional<std::size_t> index_of(const TileKey& key, int cell) const
   {
-    const std::int64_t x = cell_of_tile(key.x, place % kTileCells) - rect_.min_cell_x;
-    const std::int64_t y = cell_of_tile(key.y, place / kTileCells) - rect_.min_cell_y;
+    const std::int64_t x = cell_of_tile(key.x, cell % kTileCells) - rect_.min_cell_x;
+    const std::int64_t y = cell_of_tile(key.y, cell / kTileCells) - rect_.min_cell_y;
     if (x < 0 || x >= side_ || y < 0 || y >= side_) return std::nullopt;
     return static_cast<std::size_t>(y * side_ + x);
   }

@@ -96,18 +96,18 @@ void TilePyramid::take_known_tiles()
   min_cell_y_ = std::int64_t{south.y} * kTileCells;
   width_cells_ = (std::int64_t{east->x} - west->x + 1) * kTileCells;
   height_cells_ = (std::int64_t{north.y} - south.y + 1) * kTileCells;
-  auto& places = levels_.emplace_back();
-  places.reserve(known.size());
-  for (const TileKey& key : known) places.push_back({max_tile_y_ - key.y, key.x - min_tile_x_});
-  std::sort(places.begin(), places.end());
+  auto& tiles = levels_.emplace_back();
+  tiles.reserve(known.size());
+  for (const TileKey& key : known) tiles.push_back({max_tile_y_ - key.y, key.x - min_tile_x_});
+  std::sort(tiles.begin(), tiles.end());
 }
 
 void TilePyramid::add_level()
 {
   const int from = levels() - 1, to = levels();
-  std::vector<Place> made;
+  std::vector<TileIndex> made;
   made.reserve(levels_[from].size());
-  for (const Place& p : levels_[from])
+  for (const TileIndex& p : levels_[from])
   {
     add_to_level(to, p);
     made.push_back({p.y / 2, p.x / 2});
@@ -119,7 +119,7 @@ void TilePyramid::add_level()
 
 /** A tile of the level below becomes a quarter of one. A tile is valid until the next is asked for.
  */
-void TilePyramid::add_to_level(int level, const Place& below)
+void TilePyramid::add_to_level(int level, const TileIndex& below)
 {
   std::vector<std::size_t> taken(kHalf * kHalf);
   std::vector<SiteCell> quarter(taken.size());
@@ -167,25 +167,25 @@ const ChannelTile* TilePyramid::values(int level, int x, int y)
 void TilePyramid::for_each_tile(
     const std::function<void(const TileKey&, const Tile&, const ChannelTile*)>& f)
 {
-  for (const Place& p : levels_.front())
+  for (const TileIndex& p : levels_.front())
     f({floor_, p.x + min_tile_x_, max_tile_y_ - p.y}, *tile(0, p.x, p.y), values(0, p.x, p.y));
 }
 
 TilePyramid::Coverage TilePyramid::coverage(int level, int x0, int y0, int x1, int y1) const
 {
-  const auto& places = levels_[level];
+  const auto& tiles = levels_[level];
   Coverage c{false, true};
-  for (Place at{y0, x0}; at.y <= y1;)
+  for (TileIndex at{y0, x0}; at.y <= y1;)
   {
-    const auto found = std::lower_bound(places.begin(), places.end(), at);
-    if (found == places.end() || found->y > y1) return {c.any, false};
+    const auto found = std::lower_bound(tiles.begin(), tiles.end(), at);
+    if (found == tiles.end() || found->y > y1) return {c.any, false};
     if (found->y > at.y)
     {
       c.all = false;
       at = {found->y, x0};
       continue;
     }
-    const auto behind = std::lower_bound(found, places.end(), Place{at.y, x1 + 1});
+    const auto behind = std::lower_bound(found, tiles.end(), TileIndex{at.y, x1 + 1});
     c.any |= behind != found;
     c.all &= behind - found == x1 - x0 + 1;
     if (c.any && !c.all) break;

@@ -48,15 +48,15 @@ class TilePyramid
   static int row_of(int level, int row) { return level == 0 ? kTileCells - 1 - row : row; }
 
  private:
-  struct Place
+  struct TileIndex
   {
     std::int32_t y, x;
-    bool operator<(const Place& o) const { return y != o.y ? y < o.y : x < o.x; }
-    bool operator==(const Place& o) const { return y == o.y && x == o.x; }
+    bool operator<(const TileIndex& o) const { return y != o.y ? y < o.y : x < o.x; }
+    bool operator==(const TileIndex& o) const { return y == o.y && x == o.x; }
   };
   void take_known_tiles();
   void add_level();
-  void add_to_level(int level, const Place& below);
+  void add_to_level(int level, const TileIndex& below);
 
   TileStore& tiles_;
   ChannelStore& values_;
@@ -66,7 +66,7 @@ class TilePyramid
   std::int32_t min_tile_x_ = 0, max_tile_y_ = 0;
   std::int64_t min_cell_x_ = 0, min_cell_y_ = 0, width_cells_ = 0, height_cells_ = 0;
   std::uint32_t newest_s_ = 0;
-  std::vector<std::vector<Place>> levels_;  //!< the tiles of each, ascending
+  std::vector<std::vector<TileIndex>> levels_;  //!< the tiles of each, ascending
 };
 
 }  // namespace talus::site

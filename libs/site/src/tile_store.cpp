@@ -2,25 +2,19 @@
 
 #include "tile_pack.h"
 
-#include <talus/io/hidden_folder.h>
+#include <talus/io/atomic_file.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <list>
 #include <map>
-#include <new>
 #include <stdexcept>
 #include <system_error>
-#include <type_traits>
 #include <utility>
-
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
 
 namespace fs = std::filesystem;
 
@@ -84,89 +78,26 @@ void read_packed(const fs::path& path, TilePacker& packer, T& tile)
     fail_to_read(path, e.what());
   }
 }
-
-#if defined(__linux__)
-/** Memory that begins at a multiple of its size. malloc would take twice as much of it. */
-void* map_aligned(std::size_t size)
-{
-  void* const all =
-      mmap(nullptr, 2 * size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (all == MAP_FAILED) return nullptr;
-  const std::size_t after = reinterpret_cast<std::uintptr_t>(all) % size;
-  const std::size_t before = after == 0 ? 0 : size - after;
-  char* const first = static_cast<char*>(all) + before;
-  if (before > 0) munmap(all, before);
-  munmap(first + size, size - before);
-#if defined(MADV_HUGEPAGE)
-  madvise(first, size, MADV_HUGEPAGE);
-#endif
-  return first;
-}
-void unmap(void* first, std::size_t size) { munmap(first, size); }
-#else
-void* map_aligned(std::size_t size) { return std::aligned_alloc(size, size); }
-void unmap(void* first, std::size_t) { std::free(first); }
-#endif
-
-/** Memory of tiles, in large pages where there are such: a drive comes to a new tile every few
- * metres, and small pages would cost more than to fill it. */
-template <class T>
-class TileMemory
-{
- public:
-  T* take()
-  {
-    if (free_.empty()) add_block();
-    T* const tile = free_.back();
-    free_.pop_back();
-    return tile;
-  }
-  void give_back(T* tile) { free_.push_back(tile); }
-  /** All that was ever needed at once. */
-  std::size_t bytes() const { return blocks_.size() * kBlock; }
-  /** With the next tile. */
-  std::size_t bytes_to_take() const { return bytes() + (free_.empty() ? kBlock : 0); }
-
- private:
-  static constexpr std::size_t kTiles = 4, kBlock = kTiles * sizeof(T);
-  struct BlockEnd
-  {
-    void operator()(void* block) const { unmap(block, kBlock); }
-  };
-  void add_block()
-  {
-    blocks_.emplace_back(map_aligned(kBlock));
-    if (!blocks_.back()) throw std::bad_alloc();
-    free_.reserve(kTiles * blocks_.size());
-    for (std::size_t i = 0; i < kTiles; ++i)
-      free_.push_back(static_cast<T*>(blocks_.back().get()) + i);
-  }
-
-  std::vector<std::unique_ptr<void, BlockEnd>> blocks_;
-  std::vector<T*> free_;
-};
-static_assert(std::is_trivially_destructible_v<Tile>);
-static_assert(std::is_trivially_destructible_v<ChannelTile>);
 }  // namespace
 
 template <class T>
 struct StoreOf<T>::Impl
 {
-  /** Of a tile; those in memory stand in a list, the one that was asked for last in front. */
+  /** Of a tile. */
   struct Entry
   {
-    T* tile = nullptr;  //!< null: packed, or on disk
+    std::unique_ptr<T> tile;  //!< null: packed, or on disk
     std::vector<std::uint8_t> packed;  //!< empty: not packed, or on disk
     bool is_on_disk = false;  //!< as it is in memory, if it is there
     bool is_changed = false;  //!< since it was asked
-    Entry *newer = nullptr, *older = nullptr;
+    typename std::list<Entry*>::iterator in_recent;  //!< if it is in memory
     const TileKey* key = nullptr;
 
     bool is_in_memory() const { return tile || !packed.empty(); }
   };
 
   Impl(std::size_t memory_bytes, std::string parent)
-      : most_bytes(std::max(memory_bytes, kMinInMemory * sizeof(T))), folder(std::move(parent))
+      : max_bytes(std::max(memory_bytes, kMinInMemory * sizeof(T))), folder(std::move(parent))
   {
   }
 
@@ -188,25 +119,17 @@ struct StoreOf<T>::Impl
   {
     if (entry.is_in_memory()) to_front(entry);
     if (entry.tile) return *entry.tile;
-    T* const tile = room_for_tile();
-    try
-    {
-      if (!entry.packed.empty())
-        packer().unpack(entry.packed, *tile);
-      else if (entry.is_on_disk)
-        read_packed(path_of(*entry.key), packer(), *tile);
-      else
-        new (tile) T;
-    }
-    catch (...)
-    {
-      memory.give_back(tile);
-      throw;
-    }
+    std::unique_ptr<T> tile = room_for_tile();
+    if (!entry.packed.empty())
+      packer().unpack(entry.packed, *tile);
+    else if (entry.is_on_disk)
+      read_packed(path_of(*entry.key), packer(), *tile);
+    else
+      *tile = T();
     if (entry.is_in_memory()) leave_memory(entry);
-    entry.tile = tile;
+    entry.tile = std::move(tile);
     enter_memory(entry);
-    return *tile;
+    return *entry.tile;
   }
 
   void pack(Entry& entry)
@@ -219,16 +142,24 @@ struct StoreOf<T>::Impl
     enter_memory(entry);
   }
 
-  T* room_for_tile()
+  /** Tiles are used again: to ask the system for memory takes longer than to fill it. */
+  std::unique_ptr<T> room_for_tile()
   {
-    while (memory.bytes_to_take() + packed_bytes > most_bytes) put_oldest_on_disk();
-    return memory.take();
+    while (spare.empty() && (made + 1) * sizeof(T) + packed_bytes > max_bytes) put_oldest_on_disk();
+    if (spare.empty())
+    {
+      spare.push_back(std::make_unique<T>());
+      ++made;
+    }
+    std::unique_ptr<T> tile = std::move(spare.back());
+    spare.pop_back();
+    return tile;
   }
 
   /** Of what is in memory. */
   void put_oldest_on_disk()
   {
-    Entry& last = *oldest;
+    Entry& last = *recent.back();
     if (!last.is_on_disk)
       write_packed(path_of(*last.key), last.tile ? packer().pack(*last.tile) : last.packed);
     last.is_on_disk = true;
@@ -246,36 +177,18 @@ struct StoreOf<T>::Impl
 
   void enter_memory(Entry& entry)
   {
-    link(entry);
-    ++in_memory;
+    recent.push_front(&entry);
+    entry.in_recent = recent.begin();
   }
   void leave_memory(Entry& entry)
   {
-    unlink(entry);
-    --in_memory;
+    recent.erase(entry.in_recent);
     if (read_last == &entry) read_last = nullptr;
-    if (entry.tile) memory.give_back(entry.tile);
+    if (entry.tile) spare.push_back(std::move(entry.tile));
     packed_bytes -= entry.packed.size();
-    entry.tile = nullptr;
     entry.packed = std::vector<std::uint8_t>();  // {} would keep its memory
   }
-  void to_front(Entry& entry)
-  {
-    unlink(entry);
-    link(entry);
-  }
-  void link(Entry& entry)
-  {
-    entry.newer = nullptr;
-    entry.older = newest;
-    (newest ? newest->newer : oldest) = &entry;
-    newest = &entry;
-  }
-  void unlink(Entry& entry)
-  {
-    (entry.newer ? entry.newer->older : newest) = entry.older;
-    (entry.older ? entry.older->newer : oldest) = entry.newer;
-  }
+  void to_front(Entry& entry) { recent.splice(recent.begin(), recent, entry.in_recent); }
 
   TilePacker& packer()
   {
@@ -303,12 +216,12 @@ struct StoreOf<T>::Impl
     }
   }
 
-  std::size_t most_bytes, packed_bytes = 0, in_memory = 0;
+  std::size_t max_bytes, packed_bytes = 0, made = 0;  //!< tiles, in use or not
   std::string folder;
-  TileMemory<T> memory;
+  std::vector<std::unique_ptr<T>> spare;
   std::unique_ptr<io::HiddenFolder> hidden;
   std::map<TileKey, Entry> entries;
-  Entry *newest = nullptr, *oldest = nullptr;
+  std::list<Entry*> recent;  //!< in memory, the one that was asked for last in front
   Entry* read_last = nullptr;  //!< of what is packed
   std::unique_ptr<T> copy;  //!< of that
 
@@ -366,7 +279,7 @@ void StoreOf<T>::pack(const TileKey& key)
 template <class T>
 void StoreOf<T>::unpack_all()
 {
-  if (impl_->entries.size() * sizeof(T) > impl_->most_bytes) return;
+  if (impl_->entries.size() * sizeof(T) > impl_->max_bytes) return;
   for (auto& [key, entry] : impl_->entries)
     if (!entry.packed.empty()) impl_->open(entry);
 }
@@ -399,13 +312,13 @@ std::vector<TileKey> StoreOf<T>::keys() const
 template <class T>
 std::size_t StoreOf<T>::tiles_in_memory() const
 {
-  return impl_->in_memory;
+  return impl_->recent.size();
 }
 
 template <class T>
 typename StoreOf<T>::Memory StoreOf<T>::memory() const
 {
-  return {impl_->memory.bytes(), impl_->packed_bytes};
+  return {impl_->made * sizeof(T), impl_->packed_bytes};
 }
 
 template class StoreOf<Tile>;

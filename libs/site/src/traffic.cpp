@@ -1,10 +1,12 @@
-#include "traffic.h"
+#include "hindsight.h"
 
 #include "known_cells.h"
-#include "channel_values.h"
-#include "column.h"
-#include "judge_anew.h"
+#include "kept_cell.h"
 #include "surroundings.h"
+
+#include <talus/site/traffic_map.h>
+#include <talus/io/geotiff.h>
+#include <talus/site/islands.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +23,8 @@ namespace
 /// @{
 constexpr double kBeside_m = 0.5;
 constexpr int kPassesPerHitBeside = 1;
-/** So much of what stands near, and stood there before, has moved: a few cells of the front of a
- * parked car take nothing with them. */
+/** The share of what stands near, and stood there before, that has moved: a few cells of the front
+ * of a parked car take nothing with them. */
 constexpr double kMinMoved = 0.2;
 /// @}
 
@@ -118,7 +120,7 @@ class SameThing
   std::vector<const Column*> standing_;
   std::vector<bool> moved_;
   std::vector<bool> left_;  //!< what was there has moved, now or before
-  std::vector<HitScans> beside_;  //!< that hit what has moved near a place
+  std::vector<HitScans> beside_;  //!< that hit what has moved near a cell
   std::vector<Open> open_;
 };
 
@@ -132,7 +134,7 @@ void clear(SiteCell& s)
 /** Of a tile: what stands there and has moved. */
 struct Moved
 {
-  std::vector<int> places;  //!< in the tile, ascending
+  std::vector<int> cells;  //!< indices in the tile, ascending
   std::set<TileKey> beyond;  //!< tiles into which it goes on
 };
 
@@ -150,21 +152,21 @@ Moved moved_of(
       {
         const auto trail = trails.find(near);
         if (trail == trails.end()) return;
-        for (const auto& [place, when] : trail->second)
-          if (const auto at = around.place_of(near, place)) thing.begin(*at, when);
+        for (const auto& [cell, when] : trail->second)
+          if (const auto at = around.index_of(near, cell)) thing.begin(*at, when);
       });
   thing.go_on();
   Moved moved;
   for (const Column& c : columns)
   {
     if (!c.stands() || !thing.has_moved(c.at)) continue;
-    const auto [tile, place] = around.in_tile(c.at);
+    const auto [tile, index] = around.in_tile(c.at);
     if (!(tile == key))
       moved.beyond.insert(tile);
     else
     {
-      moved.places.push_back(place);
-      trails[key][place] |= c.when;
+      moved.cells.push_back(index);
+      trails[key][index] |= c.when;
     }
   }
   return moved;
@@ -173,22 +175,59 @@ Moved moved_of(
 /** `moved`: of what stands, ascending. */
 void note_traffic(
     const TileKey& key, const std::vector<Column>& columns, Surroundings around,
-    const std::vector<int>& moved, double resolution_m, const Scans& scans, TrafficTile& traffic)
+    const std::vector<int>& moved, TrafficTile& traffic)
 {
   for (const Column& c : columns) around.put(c);
   for (const Column& c : columns)
   {
-    const auto [tile, place] = around.in_tile(c.at);
+    const auto [tile, index] = around.in_tile(c.at);
     if (!(tile == key) || c.recent.scans == 0) continue;
-    if (!std::binary_search(moved.begin(), moved.end(), place) && !around.sums_around(c.at).moved())
+    if (!std::binary_search(moved.begin(), moved.end(), index) && !around.sums_around(c.at).moved())
       continue;
-    TrafficCell& cell = traffic.cells[place];
+    TrafficCell& cell = traffic.cells[index];
     cell.times += c.recent.times;
     cell.scans += c.recent.scans;
-    for (const SeenRays* scan : scans)
-      if (scan->stamp_s() > traffic.until_s && is_hit(*scan, resolution_m, c))
-        traffic.hits[scan->stamp_s()].push_back(place);
   }
+}
+
+/** Empty where nothing moved in these tiles. */
+io::LayerStack layers_of(const Traffic& traffic, const std::vector<TileKey>& keys, double cell_m)
+{
+  std::vector<TileKey> moved;
+  for (const TileKey& key : keys)
+    if (const auto tile = traffic.find(key); tile != traffic.end() && !tile->second.cells.empty())
+      moved.push_back(key);
+  if (moved.empty()) return {};
+  const auto [west, east] = std::minmax_element(
+      moved.begin(), moved.end(), [](const TileKey& a, const TileKey& b) { return a.x < b.x; });
+  const int min_x = west->x, min_y = moved.front().y;  // they ascend
+  const int tiles_x = east->x - min_x + 1, tiles_y = moved.back().y - min_y + 1;
+  io::LayerStack stack{
+      tiles_x * kTileCells,        tiles_y * kTileCells, cell_m, min_x * kTileCells * cell_m,
+      min_y * kTileCells * cell_m, {"times", "scans"},   {}};
+  const auto width = static_cast<std::size_t>(stack.cells_x);
+  stack.layers.assign(2, std::vector<float>(width * static_cast<std::size_t>(stack.cells_y), NAN));
+  const auto put = [&](std::size_t layer, const TileKey& key, int index, float value)
+  {
+    const int x = (key.x - min_x) * kTileCells + index % kTileCells;
+    const int y = (key.y - min_y) * kTileCells + index / kTileCells;
+    stack.layers[layer][static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] = value;
+  };
+  for (const TileKey& key : moved)
+    for (const auto& [index, cell] : traffic.at(key).cells)
+    {
+      put(0, key, index, static_cast<float>(cell.times));
+      put(1, key, index, static_cast<float>(cell.scans));
+    }
+  return stack;
+}
+
+std::vector<TileKey> tiles_of(const Site& site, int floor)
+{
+  std::vector<TileKey> tiles;
+  for (const TileKey& key : site.tiles.keys())
+    if (key.floor == floor) tiles.push_back(key);
+  return tiles;
 }
 }  // namespace
 
@@ -205,19 +244,34 @@ std::set<TileKey> clear_traffic(
   const Moved moved = moved_of(key, columns, around, site.resolution_m, trails);
   if (noted)
   {
-    note_traffic(key, columns, around, moved.places, site.resolution_m, scans, *noted);
+    note_traffic(key, columns, around, moved.cells, *noted);
     noted->until_s = scans.back()->stamp_s();
   }
-  if (moved.places.empty()) return {};
+  if (moved.cells.empty()) return {};
   Tile& tile = site.tiles.at(key);
-  for (const int at : moved.places) clear(tile.cells[static_cast<std::size_t>(at)]);
+  for (const int at : moved.cells) clear(tile.cells[static_cast<std::size_t>(at)]);
   if (site.channel_tiles.has(key))
   {
     ChannelTile& values = site.channel_tiles.at(key);
-    for (const int at : moved.places) forget_standing(values.cells[static_cast<std::size_t>(at)]);
+    for (const int at : moved.cells) forget_standing(values.cells[static_cast<std::size_t>(at)]);
   }
-  judge_anew(site, parameters, key, moved.places);
+  reassess(site, parameters, key, moved.cells);
   return moved.beyond;
+}
+
+void write_traffic_files(const std::string& path, const Traffic& traffic, Site& site, Far far)
+{
+  for (const int floor : floors_of(site))
+  {
+    auto islands = far == Far::Apart ? islands_of(site, floor) : std::vector<Island>();
+    if (islands.empty()) islands.push_back({tiles_of(site, floor)});
+    for (std::size_t i = 0; i < islands.size(); ++i)
+    {
+      const io::LayerStack stack = layers_of(traffic, islands[i].tiles, site.resolution_m);
+      if (stack.layers.empty()) continue;
+      io::write_geotiff(with_island(with_floor(path, floor), i), stack, {}, site.origin);
+    }
+  }
 }
 
 }  // namespace talus::site

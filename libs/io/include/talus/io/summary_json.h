@@ -23,7 +23,7 @@ struct SiteSummary
   int islands = 0;
 };
 
-/** Everything that summary.json tells about one run. */
+/** Everything that summary.json says about one run. */
 struct RunSummary
 {
   std::string version;  //!< of talus

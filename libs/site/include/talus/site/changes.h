@@ -9,7 +9,7 @@
 
 namespace talus::site
 {
-/** What became of a place between two maps. */
+/** What became of a cell between two maps. */
 enum class Change : std::uint8_t
 {
   None = 0,
@@ -28,7 +28,7 @@ struct CellChange
   float change_m = NAN;  //!< of the top: what stands on the ground, else the ground
 };
 
-/** NaN unless both have seen the place: measured its ground or something on it. None unless their
+/** NaN unless both have seen it: measured its ground or something on it. None unless their
  * tops differ by more than `step_m`. */
 CellChange change_of(const SiteCell& from, const SiteCell& to, double step_m);
 
@@ -51,10 +51,10 @@ struct ChangeSums
 };
 
 /** Whether a tile of a floor is in both sites. */
-bool have_common_place(Site& from, Site& to, int floor);
+bool have_common_tile(Site& from, Site& to, int floor);
 
 /** Writes what changed on a floor from one site to another of the same map frame: a GeoTIFF with
- * the bands change_m and kind, NaN where either has not seen the place, and a picture. An edge that
+ * the bands change_m and kind, NaN where either has not seen the cell, and a picture. An edge that
  * moved by one cell is no change. Each file whole or not at all. Throws std::runtime_error that
  * names the file. */
 ChangeSums write_changes(

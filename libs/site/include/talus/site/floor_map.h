@@ -22,17 +22,17 @@ struct CellBox
 };
 
 /** One floor of a site as one map: the layers elevation, ground elevation, variance, state,
- * traversability and sparsity, of which nothing is kept, in the least square window that holds all
- * that is known of it. Looks again only at tiles that have changed, so it belongs to one site, of
- * which no tile is erased, and is the one user of TileStore::take_changed(). */
+ * traversability and sparsity, of which nothing is kept, in the smallest square window that holds
+ * all that is known of it. Looks again only at tiles that have changed, so it belongs to one site,
+ * of which no tile is erased, and is the one user of TileStore::take_changed(). */
 class FloorMap
 {
  public:
-  /** Of a floor that is wider than `most_cells` the window has so many along each side, and (x_m,
-   * y_m) within a sixteenth of a side of its middle. A window of 0 cells where nothing is known.
-   * Valid until the next call. */
+  /** Of a floor that is wider than `max_cells` the window has that number along each side, and
+   * (x_m, y_m) within a sixteenth of a side of its middle. A window of 0 cells where nothing is
+   * known. Valid until the next call. */
   const MapSnapshot& update(
-      Site& site, int floor, const Parameters& parameters, int most_cells, double x_m, double y_m);
+      Site& site, int floor, const Parameters& parameters, int max_cells, double x_m, double y_m);
 
  private:
   void look_at_changed(Site& site, std::vector<TileKey>& changed);

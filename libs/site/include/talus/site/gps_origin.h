@@ -17,7 +17,7 @@ struct GpsFix
 };
 
 /** The origin that places the fixes best, all alike: a turn about the vertical and a shift. Of
- * places that all lie within 10 m the heading cannot be told: then it is 0, and the first fix
+ * positions that all lie within 10 m the heading is unknown: then it is 0, and the first fix
  * counts. `warning` gets a sentence where there is something to doubt. Nothing without fixes. */
 std::optional<GeoOrigin> origin_from_fixes(const std::vector<GpsFix>& fixes, std::string& warning);
 

@@ -24,7 +24,7 @@ std::vector<Island> islands_of(Site& site, int floor);
 /** The runs of points of all ways on an island, or near it. */
 std::vector<std::vector<WayPoint>> ways_on(const Island& island, const Site& site);
 
-/** What to tell of an island that gets a file of its own. */
+/** The warning of an island that gets a file of its own. */
 std::string text_of_island(const Island& island, const std::string& file);
 
 }  // namespace talus::site

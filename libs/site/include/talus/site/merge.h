@@ -11,7 +11,7 @@
 namespace talus::site
 {
 /** How two maps of one frame fit where both know the ground. Ground is compared where both have
- * measured it; what stands, where both have seen the place and one shows something. */
+ * measured it; what stands, where both have seen the cell and one shows something. */
 struct MapFit
 {
   /** Which two, counted from 0 as they were given. */
@@ -40,9 +40,9 @@ MapFit fit_of(Site& first, Site& second, int floor);
  * The ground is that of the best evidence: measured before filled from two sides before filled from
  * one. Among equals the newest counts, and with it all that lie within `step_m` of it: their mean
  * by information, which sums, as far as they agree: where they lie farther apart than their
- * variances tell, all of these grow by the same amount until they agree, and so does that of the
- * mean (the random effects of DerSimonian and Laird). What stands on the ground is told by the
- * newest cell that has seen the place, measured its ground or something on it: a box that this does
+ * variances allow, all of these grow by the same amount until they agree, and so does that of the
+ * mean (the random effects of DerSimonian and Laird). What stands on the ground is that of the
+ * newest map that has seen the cell, measured its ground or something on it: a box that this does
  * not show is gone. Scores and evidence are of that cell, too. Cells with the same bits are one
  * observation. */
 SiteCell merge_cells(const SiteCell* cells, int count, double step_m);
@@ -59,7 +59,7 @@ struct MergeOptions
 /** Fuses sites of one map frame, all their files, into an empty site, tile by tile, and their ways:
  * the files that are named become floor `floor`, other floors those of their numbers. The order of
  * the paths and the number of threads make no difference. Throws as parts_of_site(). Tells how the
- * maps fit that overlap: at each place each with up to four of those given before it. */
+ * maps fit that overlap: in each tile each with up to four of those given before it. */
 std::vector<MapFit> merge_sites(
     const std::vector<std::string>& paths, Site& site, int floor, const MergeOptions& options = {},
     const Progress& progress = Progress());

@@ -14,7 +14,7 @@ namespace talus::site
 /** Where the origin of a map frame is on Earth. */
 using GeoOrigin = io::GeoOrigin;
 
-/** A place of the way that was driven, map frame. */
+/** A point of the path that was driven, map frame. */
 struct WayPoint
 {
   /** Of the base [m]. */
@@ -40,7 +40,7 @@ struct Site
   std::optional<GeoOrigin> origin;
   /** The cells. */
   TileStore tiles;
-  /** What points brought besides their place. */
+  /** What points brought besides their position. */
   std::vector<Channel> channels;
   /** Their values, by layer of the channels; no tile where there are none. */
   ChannelStore channel_tiles;

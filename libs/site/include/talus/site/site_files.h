@@ -44,7 +44,7 @@ void write_site_files(
     const std::string& path, const std::string& picture, Site& site,
     const Progress& progress = Progress(), Far far = Far::Apart);
 
-/** What to tell of each file of an island that write_site_files() writes beside `path`. */
+/** The warning of each file of an island that write_site_files() writes beside `path`. */
 std::vector<std::string> texts_of_islands(const std::string& path, Site& site);
 
 /** One file of a site. */

@@ -37,7 +37,9 @@ struct SiteInfo
 
 /** Throws as read_site(). */
 SiteInfo info_of_site(const std::string& path);
-/** The ways that were driven on such a file, map frame; none in a file of another kind. */
+/** Whether a file is such a one as it was written: no map of a window, nor a part cut out. */
+bool is_site(const io::GeotiffFile& file);
+/** The paths that were driven on such a file, map frame; none in a file of another kind. */
 std::vector<std::vector<WayPoint>> ways_of_site(const io::GeotiffFile& file);
 
 }  // namespace talus::site

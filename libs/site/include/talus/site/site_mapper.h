@@ -35,7 +35,7 @@ class SiteMapper
 {
  public:
   /** Of the base, map frame. */
-  struct Place
+  struct Position
   {
     /** [m] */
     double x_m = 0, y_m = 0, z_m = 0;
@@ -54,8 +54,8 @@ class SiteMapper
     int floor = 0, floors = 1;
     /** Why the floor has to be chosen, if it has to. */
     Choice choice = Choice::None;
-    Place base;  //!< in the last frame
-    Place calm;  //!< where the base was lately, before it rose or sank
+    Position base;  //!< in the last frame
+    Position calm;  //!< where the base was lately, before it rose or sank
     int frames_calm = 0;  //!< while the floor is to be chosen
     double stamp_s = 0;  //!< of the last frame
     double kept_s = -std::numeric_limits<double>::infinity();  //!< when the whole window was kept
@@ -103,8 +103,8 @@ class SiteMapper
   };
 
   FrameReport update_kept(ElevationMapper& map, const Frame& frame);
-  void begin(const Place& base);
-  void keep_before(const ElevationMapper& map, const Window& after, const Place& base);
+  void begin(const Position& base);
+  void keep_before(const ElevationMapper& map, const Window& after, const Position& base);
   void ask_for_entered(const Window& before, const Window& after);
   void keep_leaving(const ElevationMapper& map, const Window& before);
   void restore_entered(ElevationMapper& map, const Window& before, const Window& after);
@@ -112,7 +112,7 @@ class SiteMapper
   void wait_for_floor(ElevationMapper& map);
   bool choose_floor(const ElevationMapper& map);
   void keep_all(const ElevationMapper& map);
-  void follow(const Place& base);
+  void follow(const Position& base);
   void add_to_way();
 
   void take_channels(const ElevationMapper& map);
@@ -126,7 +126,7 @@ class SiteMapper
   void store(const CellRect& cells, std::size_t first);
   void refer_to_beside(const Strip& strip, std::size_t first, std::size_t first_beside);
   Votes votes(int floor, const CellRect& cells, std::size_t first);
-  std::optional<int> other_floor(const CellRect& cells, std::size_t first, int fewest_agree);
+  std::optional<int> other_floor(const CellRect& cells, std::size_t first, int min_agree);
   int references(const CellRect& cells, std::size_t first) const;
   int new_floor() const;
   int floor_without(const CellRect& cells, std::size_t first);

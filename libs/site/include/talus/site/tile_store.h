@@ -63,7 +63,7 @@ template <class T>
 class StoreOf
 {
  public:
-  /** At least so many tiles stay in memory, whatever the budget. */
+  /** The minimum of tiles in memory, whatever the budget. */
   static constexpr std::size_t kMinInMemory = 4;
 
   /** `folder`: where a hidden folder is made for tiles that find no room, when the first does;
@@ -113,20 +113,20 @@ using TileStore = StoreOf<Tile>;
 /** The values of its channels, in the tiles where there are any. */
 using ChannelStore = StoreOf<ChannelTile>;
 
-/** The tile of a cell of the global grid, and where that stands in it. */
+/** The tile of a cell of the global grid, and its index there. */
 inline std::int32_t tile_of(std::int64_t cell)
 {
   return static_cast<std::int32_t>(
       cell >= 0 ? cell / kTileCells : -((-cell + kTileCells - 1) / kTileCells));
 }
-inline int place_in_tile(std::int64_t cell)
+inline int index_in_tile(std::int64_t cell)
 {
   return static_cast<int>(cell - static_cast<std::int64_t>(tile_of(cell)) * kTileCells);
 }
-/** The cell of the global grid at a place in a tile, along x or y. */
-inline std::int64_t cell_of_tile(std::int32_t tile, std::int64_t place)
+/** The cell of the global grid at an index in a tile, along x or y. */
+inline std::int64_t cell_of_tile(std::int32_t tile, std::int64_t index)
 {
-  return std::int64_t{tile} * kTileCells + place;
+  return std::int64_t{tile} * kTileCells + index;
 }
 /** The middle of a cell of the global grid, along x or y. */
 inline double middle_of_cell_m(std::int64_t cell, double resolution_m)

@@ -4,7 +4,6 @@
 #include <limits>
 #include <map>
 #include <string>
-#include <vector>
 
 namespace talus::site
 {
@@ -17,13 +16,11 @@ struct TrafficCell
   int scans = 0;
 };
 
-/** The cells of a tile where things moved, by their place in it. */
+/** The cells of a tile where things moved, by their index in it. */
 struct TrafficTile
 {
   /** Those where nothing moved are not there. */
   std::map<int, TrafficCell> cells;
-  /** Of these, those that each scan hit, by its stamp. */
-  std::map<double, std::vector<int>> hits;
   /** The stamp of the last scan that is counted. */
   double until_s = -std::numeric_limits<double>::infinity();
 };
@@ -31,11 +28,10 @@ struct TrafficTile
 /** Where things moved during a drive. */
 using Traffic = std::map<TileKey, TrafficTile>;
 
-/** Writes the bands `times`, `scans` and `speed_mps`, how fast what was there moved, as GeoTIFFs,
- * whole or not at all, which are called as the files of write_site_files(): "DIR/traffic.tif",
- * DIR/traffic_floor_1.tif and so on. A file is as large as the tiles where things moved, and NaN
- * where nothing moved. Where nothing moved on a floor or an island, it has no file. Throws
- * std::runtime_error that names the file. */
+/** Writes the bands `times` and `scans` as GeoTIFFs, whole or not at all, which are called as the
+ * files of write_site_files(): "DIR/traffic.tif", DIR/traffic_floor_1.tif and so on. A file is as
+ * large as the tiles where things moved, and NaN where nothing moved. Where nothing moved on a
+ * floor or an island, it has no file. Throws std::runtime_error that names the file. */
 void write_traffic_files(
     const std::string& path, const Traffic& traffic, Site& site, Far far = Far::Apart);
 
