@@ -35,13 +35,12 @@ std::string deviations(const BarsOf& bars, int kind)
 
 nlohmann::json as_json(const ToldErrors& e)
 {
-  const auto value = [](double v) { return std::isnan(v) ? nlohmann::json() : nlohmann::json(v); };
   return {
       {"n", e.count()},
-      {"within_1", value(e.within(1))},
-      {"within_2", value(e.within(2))},
-      {"told_m", value(e.median_told_m())},
-      {"true_m", value(e.true_m())}};
+      {"within_1", e.within(1)},
+      {"within_2", e.within(2)},
+      {"told_m", e.median_told_m()},
+      {"true_m", e.true_m()}};
 }
 }  // namespace
 

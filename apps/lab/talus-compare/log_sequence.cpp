@@ -8,8 +8,6 @@
 #include <talus/io/geotiff.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/observation_points.h>
-#include <talus/mrpt/pose_from.h>
-#include <talus/mrpt/sensor_numbers.h>
 
 #include <algorithm>
 #include <cmath>

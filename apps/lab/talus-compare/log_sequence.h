@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/baselines/label_score.h>
+#include <talus/baselines/real_log.h>
 #include <talus/baselines/truth_map.h>
 
 #include <optional>

@@ -1,8 +1,7 @@
 #pragma once
 #include <talus/baselines/evaluate.h>
-#include <talus/baselines/expected_failures.h>
+#include <talus/baselines/budgets.h>
 #include <talus/baselines/holdout.h>
-#include <talus/baselines/label_score.h>
 #include <talus/baselines/real_log.h>
 
 #include <string>

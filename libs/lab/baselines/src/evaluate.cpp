@@ -7,8 +7,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include "nan.h"
-
 namespace talus::baselines
 {
 namespace
@@ -98,8 +96,7 @@ class Evaluator
     for (int k = 0; k < count; ++k)
     {
       const double share = count == 1 ? 1.0 : static_cast<double>(k) / (count - 1);
-      evaluated_[static_cast<std::size_t>(
-          std::lround(first + share * (static_cast<double>(n - 1) - first)))] = true;
+      evaluated_[std::lround(first + share * (static_cast<double>(n - 1) - first))] = true;
     }
     picture_frame_ = static_cast<std::size_t>(options_.picture_at * static_cast<double>(n - 1));
     while (!evaluated_[picture_frame_]) ++picture_frame_;
@@ -139,7 +136,7 @@ class Evaluator
       score_frame(map, *truth_, *here, *observed_, e.score);
     }
     else
-      score_coverage(map, e.score);
+      for (const std::uint8_t s : map.state) e.score.cover(static_cast<CellState>(s));
     if (e.score.method == "talus") compare_fills(map, i, here);
     if (i == picture_frame_) result_.snapshot.maps.emplace_back(e.score.method, map);
     if (!truth_ && i + 1 == sequence_.frames.size()) result_.last.push_back(std::move(map));
@@ -148,7 +145,7 @@ class Evaluator
   void compare_fills(const Surfaces& map, std::size_t i, const std::optional<WindowTruth>& here)
   {
     const SparseGround sparse = measured_ground(map);
-    std::vector<std::pair<std::string, std::vector<float>>> fills{{"talus", map.ground_m}};
+    Fills fills{{"talus", map.ground_m}};
     std::vector<double> ms{0};
     for (const FillMethod& m : fill_methods())
     {
@@ -171,9 +168,7 @@ class Evaluator
     result_.snapshot.fills = std::move(fills);
   }
 
-  void score_fills(
-      const Surfaces& map, const WindowTruth& here,
-      const std::vector<std::pair<std::string, std::vector<float>>>& fills)
+  void score_fills(const Surfaces& map, const WindowTruth& here, const Fills& fills)
   {
     for (std::size_t k = 0; k < map.size(); ++k)
     {
@@ -196,18 +191,6 @@ class Evaluator
     }
   }
 
-  static void score_coverage(const Surfaces& map, Score& score)
-  {
-    for (std::uint8_t s : map.state)
-    {
-      score.measured.add(static_cast<CellState>(s) == CellState::Measured);
-      score.filled_two_sided.add(static_cast<CellState>(s) == CellState::FilledTwoSided);
-      score.filled_one_sided.add(static_cast<CellState>(s) == CellState::FilledOneSided);
-      score.presumed.add(static_cast<CellState>(s) == CellState::Presumed);
-      score.unknown.add(static_cast<CellState>(s) == CellState::Unknown);
-    }
-  }
-
   void start_snapshot(const ScanFrame& frame, const std::optional<WindowTruth>& here)
   {
     Snapshot& s = result_.snapshot;
@@ -218,9 +201,8 @@ class Evaluator
     for (std::size_t k = 0; k < here->at.size(); ++k)
     {
       const bool inside = here->at[k] >= 0;
-      s.true_ground_m.push_back(
-          inside ? truth_->truth.ground[static_cast<std::size_t>(here->at[k])] : kNan);
-      s.true_label.push_back(here->blocked_now[k] ? 0.0f : here->free_now[k] ? 1.0f : kNan);
+      s.true_ground_m.push_back(inside ? truth_->truth.ground[here->at[k]] : NAN);
+      s.true_label.push_back(here->blocked_now[k] ? 0.0f : here->free_now[k] ? 1.0f : NAN);
     }
   }
 

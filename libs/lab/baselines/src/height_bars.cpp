@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nan.h"
-
 namespace talus::baselines
 {
 namespace
@@ -41,7 +39,7 @@ void ToldErrors::add(const ToldErrors& o)
 
 double ToldErrors::within(double deviations) const
 {
-  if (abs_m.empty()) return kNan;
+  if (abs_m.empty()) return NAN;
   std::size_t inside = 0;
   for (std::size_t i = 0; i < abs_m.size(); ++i)
     inside += static_cast<double>(abs_m[i]) <= deviations * static_cast<double>(told_m[i]);

@@ -6,8 +6,6 @@
 #include <opencv2/imgproc.hpp>
 #include <unordered_map>
 
-#include "nan.h"
-
 namespace talus::baselines
 {
 namespace
@@ -56,7 +54,7 @@ class Bands
   bool held(float angle) const
   {
     const int b = band(angle);
-    return b >= 0 && held_[static_cast<std::size_t>(b)];
+    return b >= 0 && held_[b];
   }
 
  private:
@@ -73,7 +71,7 @@ class Bands
     held_.assign(static_cast<std::size_t>(o.groups), 0);
     std::vector<int> points(held_.size(), 0);
     for (float a : angles)
-      if (const int b = band(a); b >= 0) ++points[static_cast<std::size_t>(b)];
+      if (const int b = band(a); b >= 0) ++points[b];
     int rank = 0;
     for (std::size_t b = 0; b < held_.size(); ++b)
       if (points[b] > 0) held_[b] = rank++ % o.every == o.every / 2;
@@ -101,10 +99,10 @@ std::vector<float> lowest_points(
     const ScanFrame& scan, const Window& window, const Parameters& parameters)
 {
   std::vector<float> lowest(
-      static_cast<std::size_t>(window.cells) * static_cast<std::size_t>(window.cells), kNan);
+      static_cast<std::size_t>(window.cells) * static_cast<std::size_t>(window.cells), NAN);
   for (const MapPoint& p : accepted_points(scan.view(), parameters))
     if (const int k = cell_index(window, p.x_m, p.y_m); k >= 0)
-      lowest[static_cast<std::size_t>(k)] = std::fmin(lowest[static_cast<std::size_t>(k)], p.z_m);
+      lowest[k] = std::fmin(lowest[k], p.z_m);
   return lowest;
 }
 
@@ -139,8 +137,8 @@ class SeenByLog
         const auto at = cells_.find(
             key(static_cast<double>(w.min_cell_x + x), static_cast<double>(w.min_cell_y + y)));
         const bool hit = at != cells_.end();
-        seen.ground_m.push_back(hit ? at->second.ground_m() : kNan);
-        seen.highest_m.push_back(hit ? at->second.highest_m : kNan);
+        seen.ground_m.push_back(hit ? at->second.ground_m() : NAN);
+        seen.highest_m.push_back(hit ? at->second.highest_m : NAN);
       }
     return seen;
   }
@@ -178,14 +176,11 @@ bool is_ground(const SeenCells& seen, const Window& w, std::size_t k, float z_m)
     for (int x = std::max(ix - radius, 0); x <= std::min(ix + radius, w.cells - 1); ++x)
     {
       const double distance_m = std::hypot(x - ix, y - iy) * w.resolution_m;
-      if (seen.ground_m[static_cast<std::size_t>(y * w.cells + x)] <
-          z_m - kGroundAllowance_m - kGroundSlope * distance_m)
+      if (seen.ground_m[y * w.cells + x] < z_m - kGroundAllowance_m - kGroundSlope * distance_m)
         return false;
     }
   return true;
 }
-
-using Fills = std::vector<std::pair<std::string, std::vector<float>>>;
 
 Fills all_fills(const Surfaces& map)
 {
@@ -290,7 +285,7 @@ HoldOut hold_out(
   for (const ScanFrame& scan : sequence.frames) seen.add(scan, options.parameters);
   for (int i = 0; i < out.frames; ++i)
   {
-    const ScanFrame& scan = sequence.frames[static_cast<std::size_t>(i)];
+    const ScanFrame& scan = sequence.frames[i];
     const SplitScan parts = split(scan, holdout);
     map->update(parts.kept.view());
     other->update(parts.held.view());

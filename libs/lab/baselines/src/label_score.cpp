@@ -1,4 +1,4 @@
-#include <talus/baselines/label_score.h>
+#include <talus/baselines/real_log.h>
 
 #include <talus/point_labels.h>
 #include <talus/sim/geometry.h>

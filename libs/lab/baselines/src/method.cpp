@@ -1,5 +1,4 @@
-#include <talus/baselines/cupy_map.h>
-#include <talus/baselines/highest_point_map.h>
+#include <talus/baselines/one_surface_map.h>
 #include <talus/baselines/method.h>
 #include <talus/baselines/paper_map.h>
 #include <talus/baselines/stock_maps.h>
@@ -10,8 +9,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "nan.h"
-
 namespace talus::baselines
 {
 namespace
@@ -20,7 +17,6 @@ class TalusMethod : public Method
 {
  public:
   TalusMethod(const Parameters& parameters, Backend backend) : map_(parameters, backend, 1) {}
-  std::string name() const override { return "talus"; }
   void update(const Frame& frame) override
   {
     gatherer_.add(frame, [this](const Frame& scan) { map_.update(scan); });
@@ -48,38 +44,47 @@ class TalusMethod : public Method
   FrameGatherer gatherer_;
 };
 
+template <class M>
+std::unique_ptr<Method> make(const Parameters& p, Backend)
+{
+  return std::make_unique<M>(p);
+}
+
 }  // namespace
 
 Surfaces::Surfaces(const Window& w) : window(w)
 {
   const auto n = static_cast<std::size_t>(w.cells) * static_cast<std::size_t>(w.cells);
-  for (auto* layer : {&elevation_m, &ground_m, &traversability}) layer->assign(n, kNan);
+  for (auto* layer : {&elevation_m, &ground_m, &traversability}) layer->assign(n, NAN);
   state.assign(n, static_cast<std::uint8_t>(CellState::Unknown));
 }
 
 const std::vector<MethodInfo>& method_list()
 {
   static const std::vector<MethodInfo> list{
-      {"talus", "two surfaces, cleanup, filling (ElevationMapper)"},
-      {"paper", "the paper's method as printed: eq. 1 to 14, its fill, cleanup and hanging rule"},
-      {"octomap", "mrpt::maps::COctoMap, its columns read out with the same clearance"},
-      {"heightgrid", "mrpt::maps::CHeightGridMap2D, the mean height of a cell"},
-      {"highest", "highest-point elevation map with Kalman fusion, 7 x 7 window features"},
-      {"cucpp", "the same with cleanup in every frame, judged half by slope, half by roughness"},
-      {"cupy", "one surface, drift compensation, min filter and inpainting, window features"}};
+      {"talus", "two surfaces, cleanup, filling (ElevationMapper)",
+       [](const Parameters& p, Backend backend) -> std::unique_ptr<Method>
+       { return std::make_unique<TalusMethod>(p, backend); }},
+      {"paper", "the paper's method as printed: eq. 1 to 14, its fill, cleanup and hanging rule",
+       make<PaperMap>},
+      {"octomap", "mrpt::maps::COctoMap, its columns read out with the same clearance",
+       make<OctoMapMethod>},
+      {"heightgrid", "mrpt::maps::CHeightGridMap2D, the mean height of a cell",
+       make<HeightGridMethod>},
+      {"highest", "highest-point elevation map with Kalman fusion, 7 x 7 window features",
+       make<HighestPointMap>},
+      {"cucpp", "the same with cleanup in every frame, judged half by slope, half by roughness",
+       make<CuCppMap>},
+      {"cupy", "one surface, drift compensation, min filter and inpainting, window features",
+       make<CuPyMap>}};
   return list;
 }
 
 std::unique_ptr<Method> make_method(
     const std::string& name, const Parameters& parameters, Backend backend)
 {
-  if (name == "talus") return std::make_unique<TalusMethod>(parameters, backend);
-  if (name == "paper") return std::make_unique<PaperMap>(parameters);
-  if (name == "octomap") return std::make_unique<OctoMapMethod>(parameters);
-  if (name == "heightgrid") return std::make_unique<HeightGridMethod>(parameters);
-  if (name == "highest") return std::make_unique<HighestPointMap>(parameters);
-  if (name == "cucpp") return std::make_unique<CuCppMap>(parameters);
-  if (name == "cupy") return std::make_unique<CuPyMap>(parameters);
+  for (const MethodInfo& m : method_list())
+    if (name == m.name) return m.make(parameters, backend);
   std::string known;
   for (const auto& m : method_list()) known += (known.empty() ? "" : ", ") + std::string(m.name);
   throw std::invalid_argument("unknown method '" + name + "'; known: " + known);

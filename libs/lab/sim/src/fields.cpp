@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <set>
 #include <sstream>
@@ -116,9 +117,11 @@ std::string only_key(
 
 Fields::Fields(
     const YAML::Node& node, const std::string& file, const std::string& where,
-    std::vector<std::string> known)
+    const std::string& known_words)
     : node_(node), file_(file), where_(where)
 {
+  std::istringstream words(known_words);
+  const std::vector<std::string> known{std::istream_iterator<std::string>(words), {}};
   if (!node.IsMap()) fail(node, "must be a map with the keys " + list_of(known));
   std::set<std::string> seen;
   for (const auto& entry : node)
@@ -210,6 +213,11 @@ std::vector<double> Fields::to_numbers(
 std::vector<double> Fields::numbers(const std::string& key, std::size_t count, Range range) const
 {
   return to_numbers(node(key), key, count, range);
+}
+Vec3 Fields::vector(const std::string& key, Range range) const
+{
+  const auto v = numbers(key, 3, range);
+  return {v[0], v[1], v[2]};
 }
 std::vector<double> Fields::numbers_or(
     const std::string& key, const std::vector<double>& fallback, Range range) const

@@ -15,12 +15,11 @@ struct Presence
   double from_s = -std::numeric_limits<double>::infinity();
   double until_s = std::numeric_limits<double>::infinity();
 };
-/** The keys of a thing with those of its presence. */
-std::vector<std::string> with_presence(std::vector<std::string> keys);
+constexpr const char* kPresenceKeys = " from_s until_s";  //!< after those of the thing
 
 /** The sections of a world file. Each throws as load_world() does. */
 void parse_ground(const YAML::Node& list, const std::string& file, World& world);
-/** Objects and decks. Ground and robot are there already: scattered things keep clear of its way.
+/** Objects and decks. Ground and robot are there already: scattered things keep clear of its path.
  */
 void parse_objects(const YAML::Node& list, const std::string& file, World& world);
 RobotSetup parse_robot(const YAML::Node& node, const std::string& file);

@@ -29,7 +29,7 @@ struct Snapshot
   std::vector<float> true_ground_m, true_label;  //!< empty without truth; label with movers
   std::vector<std::pair<std::string, Surfaces>> maps;
   SparseGround sparse;  //!< talus's measured ground
-  std::vector<std::pair<std::string, std::vector<float>>> fills;  //!< talus's first
+  Fills fills;  //!< talus's first
 };
 
 /** One log or world through every method. */

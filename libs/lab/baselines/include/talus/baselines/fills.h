@@ -2,6 +2,7 @@
 #include <talus/baselines/method.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace talus::baselines
@@ -34,6 +35,9 @@ std::vector<float> fill_min_filter(const SparseGround& sparse, int iterations = 
  */
 std::vector<float> fill_inpaint_navier_stokes(const SparseGround& sparse, double radius_cells = 3);
 std::vector<float> fill_inpaint_telea(const SparseGround& sparse, double radius_cells = 3);
+
+/** Filled heights by the name of the fill. */
+using Fills = std::vector<std::pair<std::string, std::vector<float>>>;
 
 /** The rivals of talus's fill, in the order of tables. */
 struct FillMethod

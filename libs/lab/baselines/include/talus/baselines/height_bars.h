@@ -41,8 +41,8 @@ class HeightBars
   void add(const Surfaces& map, std::size_t k, float error_m, float reference_m2 = 0);
   void add(const HeightBars& other);
 
-  const ToldErrors& near(int kind) const { return of_[static_cast<std::size_t>(kind)][0]; }
-  const ToldErrors& far(int kind) const { return of_[static_cast<std::size_t>(kind)][1]; }
+  const ToldErrors& near(int kind) const { return of_[kind][0]; }
+  const ToldErrors& far(int kind) const { return of_[kind][1]; }
   ToldErrors all(int kind) const;
   bool empty() const;
 

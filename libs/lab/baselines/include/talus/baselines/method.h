@@ -40,8 +40,6 @@ class Method
 {
  public:
   virtual ~Method() = default;
-  /** A short word: "talus", "octomap", ... */
-  virtual std::string name() const = 0;
   /** Takes in one frame. */
   virtual void update(const Frame& frame) = 0;
   /** The map around the sensor of the last frame, judged: the window that talus would show. What a
@@ -56,6 +54,7 @@ struct MethodInfo
 {
   const char* name;
   const char* description;
+  std::unique_ptr<Method> (*make)(const Parameters&, Backend);
 };
 const std::vector<MethodInfo>& method_list();
 

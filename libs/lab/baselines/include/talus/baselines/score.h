@@ -121,6 +121,8 @@ struct Score
   double memory_mb = 0;  //!< heap that the map holds after the last frame
   /// @}
 
+  /** Counts a cell of the window by where its ground comes from. */
+  void cover(CellState state);
   /** Largest distance up to which more than 5 % of a ring of 20 cells or more are blocked; NaN
    * without rings. */
   double inflation_cells() const;
@@ -131,7 +133,8 @@ struct Score
 
 /** Every figure by name, in the order of tables and files; NaN: not applicable. Errors give
  * `..._rmse_m`, `..._p95_m` and `..._n`. */
-std::vector<std::pair<std::string, double>> figures(const Score& score);
+using Figures = std::vector<std::pair<std::string, double>>;
+Figures figures(const Score& score);
 
 /** How one fill did, on the same cells as all others: those that talus filled and every other
  * fill, too, has a value for; free cells without movers. */
@@ -146,6 +149,6 @@ struct FillScore
 
   void add(const FillScore& other);
 };
-std::vector<std::pair<std::string, double>> figures(const FillScore& score);
+Figures figures(const FillScore& score);
 
 }  // namespace talus::baselines

@@ -12,7 +12,6 @@ class OctoMapMethod : public Method
 {
  public:
   explicit OctoMapMethod(const Parameters& parameters);
-  std::string name() const override { return "octomap"; }
   void update(const Frame& frame) override;
   /** Columns become surfaces, see read_column(); judged by judge_two_surfaces(). */
   Surfaces read() override;
@@ -43,7 +42,6 @@ class HeightGridMethod : public Method
 {
  public:
   explicit HeightGridMethod(const Parameters& parameters);
-  std::string name() const override { return "heightgrid"; }
   void update(const Frame& frame) override;
   Surfaces read() override;
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/parameters.h>
+#include <talus/baselines/method.h>
 #include <talus/sim/truth.h>
 
 #include <cstdint>
@@ -43,6 +43,13 @@ class TruthMap
     return inside ? static_cast<int>(iy * truth.window.cells_x + ix) : -1;
   }
   std::size_t size() const { return truth.ground.size(); }
+  /** The middle of a cell [m]. */
+  Middle middle(std::size_t i) const
+  {
+    const sim::TruthWindow& w = truth.window;
+    const int at = static_cast<int>(i), x = at % w.cells_x, y = at / w.cells_x;
+    return {w.min_x_m + (x + 0.5) * w.resolution_m, w.min_y_m + (y + 0.5) * w.resolution_m};
+  }
 
   bool known(std::size_t i) const { return truth.label[i] == truth.label[i]; }
   bool free(std::size_t i) const { return truth.label[i] == 1.0f; }

@@ -61,7 +61,7 @@ class Drive
     int sweep, cut;
     int pose;  //!< the first frame of the same time: they share the noise of the pose
   };
-  const FrameAt& at(int frame) const { return frames_[static_cast<std::size_t>(frame)]; }
+  const FrameAt& at(int frame) const { return frames_[frame]; }
   const SensorSetup& setup(int frame) const { return world_.sensors[at(frame).sensor]; }
   int first_column(std::size_t sensor, int cut) const;
   void list_frames();

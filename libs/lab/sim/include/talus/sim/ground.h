@@ -26,11 +26,11 @@ class GroundPart
   /** Height [m] at a place of the map frame. */
   virtual double height_m(double x_m, double y_m) const = 0;
   /** Appends the ranges at which a ray, seen from above, goes from one piece to another. */
-  virtual void breaks(const Ray& ray, std::vector<double>& ranges_m) const = 0;
+  virtual void breaks(const Ray&, std::vector<double>& /*ranges_m*/) const {}
   /** Whether height_m() is curved anywhere; if not, it is linear on every piece. */
   virtual bool curved() const { return false; }
   /** Bounds on the piece that holds this place; for curved parts only. */
-  virtual Curvature curvature(double, double) const { return {}; }
+  virtual Curvature curvature(double, double) const { return bounds(); }
   /** False where the part has no height of its own (beyond the border of an image). */
   virtual bool defined(double, double) const { return true; }
   /** Least and greatest height; infinite when unbounded. */
