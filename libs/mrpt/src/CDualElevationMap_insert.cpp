@@ -1,7 +1,6 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <talus/hints/hint_finder.h>
 #include <talus/mrpt/CDualElevationMap.h>
-#include <talus/mrpt/pose_from.h>
 
 #include <algorithm>
 #include <cmath>
@@ -40,8 +39,7 @@ Pose pose_from(const mrpt::poses::CPose3D& pose)
   const auto& R = pose.getRotationMatrix();
   Pose out;
   for (int row = 0; row < 3; row++)
-    for (int column = 0; column < 3; column++)
-      out.m[static_cast<std::size_t>(4 * row + column)] = R(row, column);
+    for (int column = 0; column < 3; column++) out.m[4 * row + column] = R(row, column);
   out.m[3] = pose.x();
   out.m[7] = pose.y();
   out.m[11] = pose.z();
@@ -143,6 +141,21 @@ void CDualElevationMap::applyOptions()
   if (m_whole && !same_cells) m_whole->site(*m_mapper);  // keeps what is in the window
   *m_mapper = std::move(changed);
   m_hints.reset();  // what it has seen may be right by now
+}
+
+mrpt::maps::CPointsMap::Ptr labelled_cloud(
+    const SensorPoints& points, const std::vector<PointLabel>& labels)
+{
+  const std::size_t size = points.x_m.size();
+  if (labels.size() != size)
+    throw std::invalid_argument("labelled_cloud: there must be a label for each point");
+  const auto cloud = detail::make_cloud_with_intensity(size);
+  for (std::size_t i = 0; i < size; i++)
+  {
+    cloud->setPointFast(i, points.x_m[i], points.y_m[i], points.z_m[i]);
+    detail::set_intensity(*cloud, i, static_cast<float>(labels[i]));
+  }
+  return cloud;
 }
 
 }  // namespace talus

@@ -4,7 +4,7 @@
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <talus/mrpt/CDualElevationMap.h>
-#include <talus/mrpt/pose_from.h>
+#include <talus/mrpt/observation_points.h>
 #include <talus/point_filter.h>
 
 #include <algorithm>

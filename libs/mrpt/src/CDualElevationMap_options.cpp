@@ -35,8 +35,7 @@ constexpr const char* kColormapChoices = "cmGRAYSCALE, cmJET or cmHOT";
 std::string colormap_text(mrpt::img::TColormap colormap)
 {
   const int i = colormap;
-  return i >= 0 && i < static_cast<int>(kColormaps.size()) ? kColormaps[static_cast<std::size_t>(i)]
-                                                           : std::to_string(i);
+  return i >= 0 && i < static_cast<int>(kColormaps.size()) ? kColormaps[i] : std::to_string(i);
 }
 
 mrpt::img::TColormap colormap_from(

@@ -155,9 +155,8 @@ std::array<Delay, 64> delays_of(const Decoder& decoder, double turn_rate_rad_us)
   for (int i = 0; i < returns; ++i)
   {
     const int laser = i % decoder.lasers, cycle = i / decoder.lasers;  // a VLP-16 fires twice
-    const auto& corrections =
-        decoder.calibration.laser_corrections[static_cast<std::size_t>(laser)];
-    auto& d = delays[static_cast<std::size_t>(i)];
+    const auto& corrections = decoder.calibration.laser_corrections[laser];
+    auto& d = delays[i];
     d.us = cycle * decoder.firing.cycle_us + decoder.firing.of(laser);
     const double turn = turn_rate_rad_us * d.us -
                         corrections.azimuthCorrection * decoder.azimuth_correction_unit_rad;
@@ -229,7 +228,7 @@ bool read_block(
     const auto& laser = decoder.calibration.laser_corrections[number];
     const double range_m = units * decoder.range_unit_m + laser.distanceCorrection;
     if (range_m < decoder.scan.minRange || range_m > decoder.scan.maxRange) continue;
-    const auto& d = delays[static_cast<std::size_t>(first + k)];
+    const auto& d = delays[first + k];
     add_return(range_m, s * d.cos + c * d.sin, c * d.cos - s * d.sin, laser, out);
     out.time_s.push_back(static_cast<float>((block_us + d.us) * 1e-6));
     if (decoder.intensity)

@@ -31,8 +31,7 @@ struct SurfaceView
 
   std::size_t index(int ix, int iy) const
   {
-    return static_cast<std::size_t>(iy) * static_cast<std::size_t>(window.cells) +
-           static_cast<std::size_t>(ix);
+    return static_cast<std::size_t>(iy) * window.cells + ix;
   }
 
   /** Centre of a column or row of cells, map frame [m]. */
