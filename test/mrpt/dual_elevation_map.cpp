@@ -5,12 +5,13 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/system/os.h>
-#include <talus/mrpt/register.h>
+#include <talus/mrpt/CDualElevationMap.h>
 
 #include <cstring>
 #include <limits>
 #include <stdexcept>
 
+#include "message_of.h"
 #include "room_for_maps.h"
 
 using mrpt::config::CConfigFileMemory;
@@ -122,7 +123,7 @@ TEST(DualElevationMap, sections_with_the_number_of_no_map_and_their_lack_are_tol
       });
   EXPECT_EQ(count_of(text, "no section [Off_terrain_00_creationOpts]"), 1) << text;
   EXPECT_EQ(count_of(text, "section [Off_terrain_01_creationOpts] is not read"), 1) << text;
-  EXPECT_NE(text.find("terrain_count = 1"), std::string::npos) << text;
+  EXPECT_TRUE(has(text, "terrain_count = 1"));
 }
 
 TEST(DualElevationMap, a_map_without_any_section_is_told_in_one_sentence)
@@ -158,8 +159,7 @@ TEST(DualElevationMap, a_device_that_is_not_there_is_told_with_the_section_that_
     message = e.what();
   }
   if (message.empty()) GTEST_SKIP() << "a device answers";
-  EXPECT_NE(message.find("(in section Maps_terrain_00_creationOpts)"), std::string::npos)
-      << message;
+  EXPECT_TRUE(has(message, "(in section Maps_terrain_00_creationOpts)"));
 }
 
 TEST(DualElevationMap, every_option_survives_saving_and_loading_in_memory)
@@ -216,7 +216,7 @@ TEST(DualElevationMap, options_print_themselves_and_definitions_can_be_made_in_c
   std::stringstream text;
   set.dumpToTextStream(text);
   for (const char* part : {"resolution = 0.2", "slope_threshold_rad", "sigma_m", "colormap"})
-    EXPECT_NE(text.str().find(part), std::string::npos) << part << " in\n" << text.str();
+    EXPECT_TRUE(has(text.str(), part)) << part << " in\n" << text.str();
 }
 
 // Robot at (10, 4, 0.3) heading north. Sensor 0.5 m ahead and 0.8 m up, looking to the robot's
@@ -280,7 +280,7 @@ TEST(DualElevationMap, a_level_2d_scan_is_told_once_and_a_tilted_or_nodding_one_
   EXPECT_EQ(insert(down, {}, 0), "");
   EXPECT_EQ(insert(level, slope, 0), "");
   EXPECT_EQ(insert(level, {}, 20 * kDegree), "");
-  EXPECT_NE(insert(down, slope, 0).find("level 2D scan shows no terrain"), std::string::npos);
+  EXPECT_TRUE(has(insert(down, slope, 0), "level 2D scan shows no terrain"));
   EXPECT_EQ(insert(CPose3D(0, 0, 0.5, 0, 4 * kDegree, 0), {}, 0), "") << "told already";
 }
 
@@ -299,7 +299,7 @@ TEST(DualElevationMap, both_surfaces_of_a_room_are_where_they_are)
   EXPECT_NEAR(at(map, Layer::GroundElevation, -0.5, -0.5), 0, 0.01);
   EXPECT_NEAR(at(map, Layer::Elevation, 1.3, 0.1), 0.45, 0.01);
   EXPECT_NEAR(at(map, Layer::Traversability, -1.5, -1.5), 1, 0.05);
-  EXPECT_NE(map.asString().find("6 x 6 m at 0.05 m"), std::string::npos) << map.asString();
+  EXPECT_TRUE(has(map.asString(), "6 x 6 m at 0.05 m"));
 }
 
 TEST(DualElevationMap, clear_empties_it_and_the_next_scan_starts_anew)

@@ -1,5 +1,5 @@
 #include <talus/io/geotiff.h>
-#include <talus/mrpt/labelled_cloud.h>
+#include <talus/mrpt/CDualElevationMap.h>
 
 #include <mrpt/obs/CObservationOdometry.h>
 
@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "message_of.h"
 #include "room_for_maps.h"
 #include TALUS_SCENE_HEADER(CSetOfObjects.h)
 #include TALUS_SCENE_HEADER(CSetOfTriangles.h)
@@ -262,6 +263,6 @@ TEST(DualElevationMapQueries, an_empty_map_saves_nothing_and_an_unwritable_place
   }
   catch (const std::runtime_error& e)
   {
-    EXPECT_NE(std::string(e.what()).find("missing/room"), std::string::npos) << e.what();
+    EXPECT_TRUE(has(std::string(e.what()), "missing/room")) << e.what();
   }
 }

@@ -10,8 +10,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "talus_map_run.h"
+#include "message_of.h"
 #include "sanitizer.h"
+#include "talus_map_run.h"
 
 using namespace talus;
 using talus::test::floor_scans;
@@ -33,8 +34,8 @@ Snapshot small_snapshot()
   for (int iy = 0; iy < 40; iy++)
     for (int ix = 0; ix < 40; ix++)
     {
-      free[static_cast<std::size_t>(80 * iy + ix)] = NAN;
-      state[static_cast<std::size_t>(80 * iy + ix)] = 0;
+      free[80 * iy + ix] = NAN;
+      state[80 * iy + ix] = 0;
     }
   free[80 * 60 + 40] = 0;  // its middle is (1.025, 3.025)
   s.set_layer(Layer::Elevation, heights);
@@ -213,7 +214,7 @@ TEST(Snapshot, says_which_layer_is_damaged_when_it_is_asked_for)
   }
   catch (const std::runtime_error& e)
   {
-    EXPECT_NE(std::string(e.what()).find("the layer traversability is damaged"), std::string::npos);
+    EXPECT_TRUE(has(std::string(e.what()), "the layer traversability is damaged"));
   }
 }
 
@@ -228,7 +229,7 @@ TEST_F(RawlogEdit, describes_the_snapshots)
   for (const char* word :
        {"talus::CObservationTraversability", "Sensor label: 'terrain'", "160 x 160 cells of 0.05 m",
         "elevation, ground_elevation, state, traversability", "% free"})
-    EXPECT_NE(text.find(word), std::string::npos) << word;
+    EXPECT_TRUE(has(text, word)) << word;
 }
 
 TEST_F(RawlogEdit, keeps_or_removes_them_by_label)
@@ -274,10 +275,10 @@ TEST_F(RawlogEdit, lists_and_remaps_their_time_stamps)
   edit("--remap-timestamps '1;100' -i log.rawlog -o later.rawlog");
   edit("--export-txt -i later.rawlog");
   const auto text = talus::test::read_bytes(path("later_terrain.txt"));
-  EXPECT_NE(text.find("1700000100.1"), std::string::npos) << text;
+  EXPECT_TRUE(has(text, "1700000100.1"));
   edit("--list-timestamps -i log.rawlog --text-file-output stamps.txt");
   const auto stamps = talus::test::read_bytes(path("stamps.txt"));
-  EXPECT_NE(stamps.find("talus::CObservationTraversability"), std::string::npos) << stamps;
+  EXPECT_TRUE(has(stamps, "talus::CObservationTraversability"));
 }
 
 TEST_F(RawlogEdit, finds_snapshots_in_the_sensory_frames_of_a_log_with_actions)
@@ -294,7 +295,7 @@ TEST_F(RawlogEdit, finds_snapshots_in_the_sensory_frames_of_a_log_with_actions)
   const auto done = run("frames.rawlog --static --rawlog-out out.rawlog --quiet");
   ASSERT_EQ(done.code, 0) << done.err;
   const auto info = edit("--info -i out.rawlog");
-  EXPECT_NE(info.find("Actions/SensoryFrame format       : Yes"), std::string::npos) << info;
+  EXPECT_TRUE(has(info, "Actions/SensoryFrame format       : Yes"));
   EXPECT_EQ(count(info, "terrain"), 3);
 }
 

@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "comma_locale.h"
+#include "message_of.h"
 #include "sanitizer.h"
 
 namespace fs = std::filesystem;
@@ -126,7 +127,7 @@ TEST_F(CommaLocale, an_ini_file_gives_the_map_of_the_plugin_its_numbers)
   definitions.dumpToTextStream(text);
   for (const std::string line :
        {"resolution = 0.1 m", "window     = 6.5 m", "= -1.25 m", "0.25", "12345"})
-    EXPECT_NE(text.str().find(line), std::string::npos) << line << "\n" << text.str();
+    EXPECT_TRUE(has(text.str(), line)) << line << "\n" << text.str();
   const CMultiMetricMap maps(definitions);
   ASSERT_EQ(terrain_maps(maps), 1);
   EXPECT_EQ(maps.maps.front()->asString(), "talus::CDualElevationMap, 6.5 x 6.5 m at 0.1 m, empty");

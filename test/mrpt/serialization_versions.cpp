@@ -7,6 +7,7 @@
 
 #include <functional>
 
+#include "message_of.h"
 #include "room_for_maps.h"
 
 using namespace talus;
@@ -134,5 +135,5 @@ TEST(SerializationVersions, a_later_version_is_refused_with_its_number)
   for (const auto& text :
        {error_of_version<CDualElevationMap>("talus::CDualElevationMap", 9),
         error_of_version<CObservationTraversability>("talus::CObservationTraversability", 9)})
-    EXPECT_NE(text.find("unknown serialization version number: '9'"), std::string::npos) << text;
+    EXPECT_TRUE(has(text, "unknown serialization version number: '9'"));
 }

@@ -4,7 +4,7 @@
 #include <mrpt/maps/CMultiMetricMap.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/serialization/CArchive.h>
-#include <talus/mrpt/register.h>
+#include <talus/mrpt/CDualElevationMap.h>
 
 #include <filesystem>
 #include <stdexcept>
@@ -12,7 +12,6 @@
 #include <gtest/gtest.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservationPointCloud.h>
-#include <talus/mrpt/CDualElevationMap.h>
 
 #include <cmath>
 #include <vector>
