@@ -396,11 +396,11 @@ TEST(DropReach, is_what_one_ray_sees_of_a_hole)
   const talus::Pose up = pose_from_rpy({0.5, 0, 1}, 0);
   Stopping stopping;
   EXPECT_NEAR(nearest_ground_m(one, up), 4.5, 1e-9);
-  EXPECT_NEAR(stopping.way_m(2), 0.4 * 2 + 2, 1e-9);
+  EXPECT_NEAR(stopping.distance_m(2), 0.4 * 2 + 2, 1e-9);
   EXPECT_NEAR(narrowest_hole_m(one, up, 1, stopping), 0.05 / 0.25 + 0.1, 1e-9)
       << "5 cm down over its width, and on as it drives in a tenth of a second";
   const double fastest = fastest_before_hole_mps(one, up, 1, stopping);
-  EXPECT_NEAR(stopping.way_m(fastest) + 0.1 * fastest + 0.3, 4.5, 0.04);
+  EXPECT_NEAR(stopping.distance_m(fastest) + 0.1 * fastest + 0.3, 4.5, 0.04);
   EXPECT_EQ(narrowest_hole_m(one, up, fastest + 0.02, stopping), INFINITY);
   EXPECT_NEAR(fastest_before_hole_mps(one, up, 0.3, stopping), 1, 0.011);
   EXPECT_EQ(fastest_before_hole_mps(one, up, 0.19, stopping), 0) << "narrower than it can see";

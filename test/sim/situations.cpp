@@ -97,7 +97,7 @@ class Map
   bool measured(std::size_t k) const { return state(k) == CellState::Measured; }
   float ground_m(std::size_t k) const { return map_.layer(Layer::GroundElevation)[k]; }
 
-  /** The cell of a place, which must be in the window. */
+  /** The cell of (x, y), which must be in the window. */
   std::size_t cell(double x_m, double y_m) const
   {
     return static_cast<std::size_t>(cell_index(window(), x_m, y_m));

@@ -56,7 +56,7 @@ std::vector<cv::Point2d> curve(int x, const std::vector<const HeightBars*>& of, 
   int count = 0;
   for (const HeightBars* bars : of)
   {
-    const ToldErrors errors = bars->all(kind);
+    const EstimateErrors errors = bars->all(kind);
     if (errors.count() < kMinHeightCount) continue;
     ++count;
     for (int i = 1; i < kPoints; ++i)

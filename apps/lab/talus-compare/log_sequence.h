@@ -13,11 +13,11 @@ struct LogOptions
 {
   std::string trajectory;  //!< TUM or simplemap; empty: LOG.tum beside the log, else the log itself
   std::string sensor;  //!< label, empty for all
-  std::optional<int> frames;  //!< at most so many
+  std::optional<int> frames;  //!< the maximum number
 };
 
 /** Reads the scans of a rawlog that have a pose. Scans whose
- * pose is farther away than any map reaches are left out and told on stderr. Throws
+ * pose is farther away than any map reaches are left out, with a warning on stderr. Throws
  * std::runtime_error that names the file and says what to do. */
 Sequence read_log(const std::string& path, const LogOptions& options);
 

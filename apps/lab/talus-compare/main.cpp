@@ -43,7 +43,7 @@ void require_no_crash(const std::string& path, const CommandOptions& o)
   {
     try
     {
-      // What it says is told when the log is read in earnest.
+      // Its messages are printed when the log is read in earnest.
       if (std::freopen("/dev/null", "w", stderr)) read_log(path, o.log);
     }
     catch (const std::exception&)
@@ -250,7 +250,7 @@ Ending compare(
 /** The exit code. */
 int run(CommandOptions& o, const std::string& command)
 {
-  if (o.quiet) std::clog.setstate(std::ios::failbit);  // tells which backend was taken
+  if (o.quiet) std::clog.setstate(std::ios::failbit);  // names the backend
   load_parameters_into(o);
   require_outputs_apart(o);
   talus::app::OutputFolder folder(o.output);  // made before hours of work

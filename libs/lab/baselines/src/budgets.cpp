@@ -32,9 +32,9 @@ void judge(Results& out, const std::string& name, const Errors& e, double limit_
 
 void judge(
     Results& out, const std::string& name, const Share& s, double limit, bool at_most,
-    double fewest = kMinCount)
+    double min_count = kMinCount)
 {
-  judge(out, name, s.of >= fewest ? s.value() : NAN, limit, at_most);
+  judge(out, name, s.of >= min_count ? s.value() : NAN, limit, at_most);
 }
 
 /** All, and then what of it a ray could show. */

@@ -232,9 +232,9 @@ Evaluation evaluate_sequence(
 TruthMap truth_of(const sim::World& world, const EvaluationOptions& options)
 {
   const Parameters& p = options.parameters;
-  const sim::Bounds way = sim::Drive(world, options.drive).path().bounds();
+  const sim::Bounds path = sim::Drive(world, options.drive).path().bounds();
   const double margin_m = 0.5 * p.window_m + kTruthMargin_m;
-  const sim::TruthWindow area = sim::window_around(way, margin_m, p.resolution_m);
+  const sim::TruthWindow area = sim::window_around(path, margin_m, p.resolution_m);
   return TruthMap(sim::truth(world, area, 0.0, TruthMap::truth_options(p, false)), p);
 }
 

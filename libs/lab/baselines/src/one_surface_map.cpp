@@ -112,10 +112,10 @@ Surfaces OneSurfaceMap::surfaces() const
 
 void HighestPointMap::fuse(Cell& c, const MapPoint& p, double stamp_s) const
 {
-  const float difference = p.z_m - c.height_m, most = kGate_deviations * std::sqrt(c.variance_m2);
-  if (!c.known() || difference > most)
+  const float difference = p.z_m - c.height_m, gate_m = kGate_deviations * std::sqrt(c.variance_m2);
+  if (!c.known() || difference > gate_m)
     c = {p.z_m, point_variance_m2(p), stamp_s};
-  else if (difference >= -most)
+  else if (difference >= -gate_m)
     kalman(c, p, stamp_s);
 }
 

@@ -45,7 +45,7 @@ struct Around
   bool is_dense() const { return kDenseOneIn * measured >= side * side; }
 };
 
-/** Angle between the normal of the plane of least distance and the z axis. Level with fewer than
+/** Angle between the normal of the plane of minimum distance and the z axis. Level with fewer than
  * three cells. */
 double slope_rad(const Around& around, const cv::Vec3d& mean_m)
 {
@@ -59,7 +59,7 @@ double slope_rad(const Around& around, const cv::Vec3d& mean_m)
   cv::Matx33d axes, rest;
   cv::Matx31d spreads;
   cv::SVD::compute(scatter, spreads, rest, axes);
-  return std::acos(std::min(std::abs(axes(2, 2)), 1.0));  // the row of the least spread
+  return std::acos(std::min(std::abs(axes(2, 2)), 1.0));  // the row of the minimum spread
 }
 
 /** Eq. 10 to 13. At most 1: eq. 11 and 12 are more in a hollow. */

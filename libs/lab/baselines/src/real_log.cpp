@@ -23,7 +23,7 @@ constexpr int kLeftFrames = 5;  //!< with ground alone, after which what stood t
 class CellHits
 {
  public:
-  /** Two passes: what is up is told by the lowest of all. */
+  /** Two passes: what stands is found by the lowest of all. */
   CellHits(const Sequence& sequence, const Parameters& p);
 
   /** -infinity: nothing was hit. */

@@ -152,8 +152,8 @@ void TruthMap::classify_terrain()
 }
 
 /** Of the cells that a solid top covers whole, those that lean less than ground may: towards a
- * neighbour along each axis, so that edges count, or `all_ways` towards every other top. */
-std::vector<std::uint8_t> TruthMap::level_tops(const Parameters& p, bool all_ways) const
+ * neighbour along each axis, so that edges count, or `all_around` towards every other top. */
+std::vector<std::uint8_t> TruthMap::level_tops(const Parameters& p, bool all_around) const
 {
   const sim::TruthWindow& w = truth.window;
   const auto rise_m = static_cast<float>(std::tan(p.slope_threshold_rad) * w.resolution_m);
@@ -169,7 +169,7 @@ std::vector<std::uint8_t> TruthMap::level_tops(const Parameters& p, bool all_way
       const auto row = static_cast<std::size_t>(w.cells_x);
       const bool steep = lean(i - 1) || lean(i + 1) || lean(i - row) || lean(i + row);
       const bool goes_on = (same(i - 1) || same(i + 1)) && (same(i - row) || same(i + row));
-      level[i] = top(i) && (all_ways ? !steep : goes_on);
+      level[i] = top(i) && (all_around ? !steep : goes_on);
     }
   return level;
 }
@@ -219,7 +219,7 @@ void TruthMap::find_platforms(const Parameters& p)
   }
 }
 
-/** Of the cells of `level`, those that a way from free ground reaches without a higher step. */
+/** Of the cells of `level`, those that a path from free ground reaches without a higher step. */
 std::vector<std::uint8_t> TruthMap::climbed_tops(
     const std::vector<std::uint8_t>& level, float step_m) const
 {

@@ -13,7 +13,8 @@ constexpr double kApart_m = 0.4;  //!< between sensor positions from which visib
 constexpr std::size_t kPositions = 12;
 constexpr double kHitTolerance_m = 0.03;
 
-/** Frames from which to ask what could be seen: the last one, and earlier ones some way apart. */
+/** Frames from which to ask what could be seen: the last one, and earlier ones some distance apart.
+ */
 std::vector<const ScanFrame*> viewpoints(const std::vector<ScanFrame>& frames, std::size_t now)
 {
   std::vector<const ScanFrame*> chosen{&frames[now]};
@@ -38,18 +39,18 @@ bool in_view(const sim::Scanner& scanner, const sim::Vec3& d)
 }
 
 bool sees(
-    const ScanFrame& frame, const sim::Vec3& place, const Parameters& p, const sim::Scene& scene,
+    const ScanFrame& frame, const sim::Vec3& target_m, const Parameters& p, const sim::Scene& scene,
     const sim::Scanner& scanner)
 {
   const Pose& from = frame.T_true;
   const sim::Vec3 origin{from.x(), from.y(), from.z()};
-  const sim::Vec3 way = place - origin;
-  const double distance = sim::norm(way);
-  const sim::Vec3 in_sensor = sim::rotate_back(from, way);
-  if (cell_index(window_around(p, true_base(frame)), place.x, place.y) < 0) return false;
-  if (way.z < p.min_height_m || way.z > p.max_height_m) return false;
+  const sim::Vec3 to_target_m = target_m - origin;
+  const double distance = sim::norm(to_target_m);
+  const sim::Vec3 in_sensor = sim::rotate_back(from, to_target_m);
+  if (cell_index(window_around(p, true_base(frame)), target_m.x, target_m.y) < 0) return false;
+  if (to_target_m.z < p.min_height_m || to_target_m.z > p.max_height_m) return false;
   if (!in_view(scanner, in_sensor)) return false;
-  const auto hit = scene.cast({origin, sim::normalized(way)}, distance);
+  const auto hit = scene.cast({origin, sim::normalized(to_target_m)}, distance);
   return !hit || hit->range_m > distance - kHitTolerance_m;
 }
 
@@ -63,10 +64,10 @@ void mark_visible(
     const auto i = static_cast<std::size_t>(k);
     if (here.could_see[i] || here.at[i] < 0 || !here.free_now[i]) continue;
     const auto [x_m, y_m] = middle_of_cell(w, i);
-    const sim::Vec3 place{x_m, y_m, truth.truth.ground[here.at[i]] + 0.002};
+    const sim::Vec3 target_m{x_m, y_m, truth.truth.ground[here.at[i]] + 0.002};
     here.could_see[i] = std::any_of(
         from.begin(), from.end(),
-        [&](const ScanFrame* frame) { return sees(*frame, place, p, scene, scanner); });
+        [&](const ScanFrame* frame) { return sees(*frame, target_m, p, scene, scanner); });
   }
 }
 
@@ -85,7 +86,7 @@ constexpr int kAround_cells = 3;
 constexpr float kGroundHit_m = 0.05f;
 constexpr float kTopTolerance_m = 0.06f;
 
-/** Calls visit(index) for a cell and those up to so many cells from it. */
+/** Calls visit(index) for a cell and those up to `cells` from it. */
 template <class Visit>
 void for_each_around(const sim::TruthWindow& area, std::size_t at, int cells, const Visit& visit)
 {

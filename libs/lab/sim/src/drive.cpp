@@ -40,7 +40,7 @@ Pose moved(Pose T, const Vec3& by_m)
   return T;
 }
 
-/** T_said_true at a time: where the localisation says that a place of the map is. */
+/** T_said_true at a time: where the localisation says that a point of the map is. */
 Pose error_at(const PoseErrors& errors, const RobotPath& path, double time_s)
 {
   Pose T;
@@ -97,10 +97,10 @@ int Drive::first_column(std::size_t sensor, int cut) const
 
 void Drive::list_frames()
 {
-  const std::size_t most = static_cast<std::size_t>(options_.frames.value_or(kMaxFrames));
+  const std::size_t max_frames = static_cast<std::size_t>(options_.frames.value_or(kMaxFrames));
   for (std::size_t s = 0; s < scanners_.size(); ++s)
   {
-    const double count = std::min(sweeps(s), static_cast<double>(most));
+    const double count = std::min(sweeps(s), static_cast<double>(max_frames));
     for (int i = 0; i < count; ++i)
       for (int cut = 0; cut < options_.cut_frames; ++cut)
       {
@@ -117,7 +117,7 @@ void Drive::list_frames()
   std::stable_sort(
       frames_.begin(), frames_.end(),
       [](const FrameAt& a, const FrameAt& b) { return a.time_s < b.time_s; });
-  if (frames_.size() > most) frames_.resize(most);
+  if (frames_.size() > max_frames) frames_.resize(max_frames);
   for (std::size_t i = 0; i < frames_.size(); ++i)
   {
     const bool same = i > 0 && frames_[i].time_s == frames_[i - 1].time_s;

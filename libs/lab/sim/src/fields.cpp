@@ -75,13 +75,14 @@ void fail_at(
   throw std::runtime_error(msg.str());
 }
 
-void require_few(
-    const YAML::Node& list, const std::string& file, const std::string& where, std::size_t most)
+void require_max_size(
+    const YAML::Node& list, const std::string& file, const std::string& where, std::size_t max_size)
 {
-  if (list.size() > most)
+  if (list.size() > max_size)
     fail_at(
         list, file, where,
-        "has " + std::to_string(list.size()) + " entries, the limit is " + std::to_string(most));
+        "has " + std::to_string(list.size()) + " entries, the limit is " +
+            std::to_string(max_size));
 }
 
 void require_list(
@@ -89,7 +90,7 @@ void require_list(
     const std::string& example)
 {
   if (!list.IsSequence()) fail_at(list, file, where, "must be a list, e.g. `- " + example + "`");
-  require_few(list, file, where, 1000);
+  require_max_size(list, file, where, 1000);
 }
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& known)

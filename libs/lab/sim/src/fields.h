@@ -78,8 +78,9 @@ void require_list(
 
 /** Throws for a list that is longer: each entry costs time in every ray, and short names can repeat
  * long ones. */
-void require_few(
-    const YAML::Node& list, const std::string& file, const std::string& where, std::size_t most);
+void require_max_size(
+    const YAML::Node& list, const std::string& file, const std::string& where,
+    std::size_t max_size);
 
 /** "FILE:LINE: WHERE: WHAT" */
 [[noreturn]] void fail_at(

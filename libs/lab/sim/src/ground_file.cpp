@@ -126,7 +126,7 @@ void parse_ground(const YAML::Node& list, const std::string& file, World& world)
 {
   if (!list.IsSequence() || list.size() == 0)
     fail_at(list, file, "ground", "must be a list of parts, e.g. `- plane: {z_m: 0}`");
-  require_few(list, file, "ground", 1000);
+  require_max_size(list, file, "ground", 1000);
   std::vector<std::string> names;
   for (const auto& k : kKinds) names.push_back(k.first);
   std::vector<std::pair<GroundPartPtr, Presence>> parts;

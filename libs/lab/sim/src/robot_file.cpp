@@ -13,7 +13,7 @@ std::vector<Vec3> parse_waypoints(const Fields& f)
 {
   constexpr double kLongest_m = 1e5;  // the curve is kept in pieces of 2 cm
   std::vector<Vec3> waypoints;
-  double way_m = 0;
+  double length_m = 0;
   for (const auto& p : f.rows("path_m", 2))
   {
     const Vec3 next{p[0], p[1], 0};
@@ -21,11 +21,11 @@ std::vector<Vec3> parse_waypoints(const Fields& f)
     {
       const double leg_m = norm(next - waypoints.back());
       if (leg_m < 1e-3) f.fail("path_m", "holds the same place twice in a row");
-      way_m += leg_m;
+      length_m += leg_m;
     }
     waypoints.push_back(next);
   }
-  if (way_m > kLongest_m) f.fail("path_m", "is longer than 100 km: shorten it");
+  if (length_m > kLongest_m) f.fail("path_m", "is longer than 100 km: shorten it");
   return waypoints;
 }
 
@@ -142,7 +142,7 @@ std::vector<SensorSetup> parse_sensors(const YAML::Node& list, const std::string
 {
   require_list(list, file, "sensors", "{name: front, scanner: VLP-16, at_m: [1, 0, 1]}");
   if (list.size() == 0) fail_at(list, file, "sensors", "must hold one sensor or more");
-  require_few(list, file, "sensors", 100);
+  require_max_size(list, file, "sensors", 100);
   std::vector<SensorSetup> sensors;
   for (const auto& entry : list)
   {

@@ -209,11 +209,11 @@ double narrowest_hole_m(
   // A ray looks into a hole from where it passes the near edge, on until it meets the far side less
   // than kFound_m down: there must be a sweep on this stretch, and the first of them soon enough.
   const double a_sweep_m = speed_mps / scanner.rate_hz;
-  const double needed_m = stopping.front_m + stopping.way_m(speed_mps) + a_sweep_m;
-  double least_m = std::numeric_limits<double>::infinity();
+  const double needed_m = stopping.front_m + stopping.distance_m(speed_mps) + a_sweep_m;
+  double min_m = std::numeric_limits<double>::infinity();
   for (const DownRay& ray : down_rays(scanner, T_base_sensor))
-    if (ray.ground_m >= needed_m) least_m = std::min(least_m, kFound_m / ray.slope + a_sweep_m);
-  return least_m;
+    if (ray.ground_m >= needed_m) min_m = std::min(min_m, kFound_m / ray.slope + a_sweep_m);
+  return min_m;
 }
 
 double fastest_before_hole_mps(

@@ -73,7 +73,7 @@ std::vector<Mover> parse_movers(const YAML::Node& list, const std::string& file,
 {
   if (!list.IsSequence())
     fail_at(list, file, "movers", "must be a list of movers, e.g. `- person: {...}`");
-  require_few(list, file, "movers", 1000);
+  require_max_size(list, file, "movers", 1000);
   std::vector<Mover> movers;
   for (const auto& entry : list)
   {

@@ -27,7 +27,7 @@ double sparse_kernel(double distance_m, double length_m);
 std::vector<float> fill_bgk(const SparseGround& sparse, double length_m = 1.0);
 
 /** Iterated minimum filter (elevation_mapping_cupy): unknown cells take the lowest of their known
- * 3 x 3 neighbours; so many times. */
+ * 3 x 3 neighbours, `iterations` times. */
 std::vector<float> fill_min_filter(const SparseGround& sparse, int iterations = 30);
 
 /** cv::inpaint on float heights in steps of 0.1 mm, radius in cells; unknown

@@ -41,7 +41,7 @@ class OneSurfaceMap : public Method
   RollingCells<Cell> cells_;
 };
 
-/** Fills `traversability` the way grid filters do on one surface, `elevation_m`: in the square
+/** Fills `traversability` as grid filters do on one surface, `elevation_m`: in the square
  * neighbourhood of feature_radius_m, unknown cells left out,
  * - slope: angle of the least-squares plane, over slope_threshold_rad;
  * - step: greatest height difference to the cell, over step_threshold_m;
@@ -92,7 +92,7 @@ class CuCppMap : public HighestPointMap
  *   does time;
  * - visibility cleanup in every frame;
  * - gaps: the min filter, then inpainting (Telea) of what it left.
- * Traversability by judge_one_surface(), in place of its trained network. It does not tell how far
+ * Traversability by judge_one_surface(), in place of its trained network. It does not say how far
  * a fill can be relied on: all count as filled from one side. */
 class CuPyMap : public OneSurfaceMap
 {

@@ -32,7 +32,7 @@ struct LabelMap
 
   /** Whether a file holds such labels, and no truth of talus-sim. */
   static bool is_one(const io::LayerStack& stack);
-  /** The cell of a place, or -1 outside. */
+  /** The cell of (x, y), or -1 outside. */
   std::ptrdiff_t cell_at(double x_m, double y_m) const;
   float ground_m(std::ptrdiff_t cell) const;
   int label(std::ptrdiff_t cell) const;

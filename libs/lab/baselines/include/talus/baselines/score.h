@@ -57,11 +57,11 @@ struct Score
                           //!< ground in some frame so far
   Errors two_sided_unseen, one_sided;
   Errors presumed_ground;  //!< where the robot stood, or started
-  /** Of cells in tenths of the risk that the map tells, without those that it says to be
+  /** Of cells in tenths of the risk that the map estimates, without those that it says to be
    * impassable: those that are. Without platforms and what may be judged either way. */
   std::array<Share, kTenths> risky;
-  /** The errors of all of these heights beside the variances that the map tells of them; empty for
-   * methods that tell none. */
+  /** The errors of all of these heights beside the variances that the map estimates for them; empty
+   * for methods without. */
   HeightBars bars;
   /// @}
 
@@ -101,7 +101,7 @@ struct Score
   Share leak;  //!< of obstacle cells that have obstacle cells all around: reached
   Share leak_hit;  //!< the same of those that were hit themselves
   Share reach;  //!< of free cells that are truly reachable: reached
-  Share reach_seen;  //!< the same of those to which a way leads over ground that rays could have
+  Share reach_seen;  //!< the same of those to which a path leads over ground that rays could have
                      //!< met so far, two or more cells away from obstacles
   Share beyond;  //!< of free cells that are truly not reachable: reached
   /// @}

@@ -36,8 +36,8 @@ Column read_column(
     const std::vector<bool>& occupied, double first_z_m, double resolution_m, double clearance_m);
 
 /** mrpt::maps::CHeightGridMap2D: the mean of all heights ever seen in a cell. It takes no point
- * clouds and does not grow, so points are inserted one by one and the grid is resized here. A place
- * so far off that the grid would take more than a gigabyte begins a new one. */
+ * clouds and does not grow, so points are inserted one by one and the grid is resized here. A
+ * position so far off that the grid would take more than a gigabyte begins a new one. */
 class HeightGridMethod : public Method
 {
  public:

@@ -29,7 +29,7 @@ class CellLine
   int steps() const { return steps_; }
   double step_m() const { return step_m_; }
 
-  /** Index of the cell so many steps from the sensor's; negative: behind it. -1: outside. */
+  /** Index of the cell `step` steps from the sensor's; negative: behind it. -1: outside. */
   int operator()(int step) const
   {
     const double t = static_cast<double>(step) / steps_;
@@ -63,7 +63,7 @@ class RollingCells
   auto begin() { return cells_.begin(); }
   auto end() { return cells_.end(); }
 
-  /** The cell of a place, nullptr outside. */
+  /** The cell of (x, y), nullptr outside. */
   Cell* find(double x_m, double y_m)
   {
     const int i = cell_index(window_, x_m, y_m);
