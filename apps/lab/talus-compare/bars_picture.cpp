@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bars_report.h"
+#include "report.h"
 
 namespace talus::baselines
 {

@@ -1,4 +1,4 @@
-#include "bars_report.h"
+#include "report.h"
 
 #include <cmath>
 #include <map>

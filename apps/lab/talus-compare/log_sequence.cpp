@@ -1,4 +1,4 @@
-#include "log_sequence.h"
+#include "options.h"
 
 #include "../../common/memory_limit.h"
 #include "../../common/log_name.h"

@@ -15,10 +15,8 @@
 #include "../../common/printable.h"
 #include "../../common/progress_bar.h"
 #include "../../common/run_app.h"
-#include "bars_report.h"
-#include "log_sequence.h"
-#include "options.h"
 #include "report.h"
+#include "options.h"
 
 namespace fs = std::filesystem;
 

@@ -5,8 +5,6 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "bars_report.h"
-
 namespace talus::baselines
 {
 namespace
