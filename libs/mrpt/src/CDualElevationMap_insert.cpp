@@ -112,7 +112,7 @@ std::vector<PointLabel> CDualElevationMap::labelPoints(
  */
 void CDualElevationMap::watch(const Frame& frame, const std::string& sensor)
 {
-  if (m_hintsTold) return;
+  if (m_hintsDone) return;
   if (!m_hints) m_hints = std::make_unique<hints::HintFinder>(mapper().parameters());
   m_hints->add(frame, sensor, m_lastReport);
   const std::size_t frames = m_hints->frames();
@@ -125,8 +125,8 @@ void CDualElevationMap::watch(const Frame& frame, const std::string& sensor)
   const auto found = m_hints->find(known_share);
   for (const auto& hint : found)
     detail::warn_once("hint: " + hint.text, "hint " + std::to_string(static_cast<int>(hint.kind)));
-  m_hintsTold = !found.empty() || frames >= kLastLook;
-  if (m_hintsTold) m_hints.reset();
+  m_hintsDone = !found.empty() || frames >= kLastLook;
+  if (m_hintsDone) m_hints.reset();
 }
 
 void CDualElevationMap::applyOptions()

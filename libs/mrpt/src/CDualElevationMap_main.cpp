@@ -134,7 +134,7 @@ void talus::CDualElevationMap::TMapDefinition::dumpToTextStream_map_specific(
 
 namespace
 {
-/** An absent device is told now, not at the first scan. */
+/** An absent device is reported now, not at the first scan. */
 void make_mapper_now(talus::CDualElevationMap& map, const std::string& place)
 {
   try

@@ -76,9 +76,9 @@ void warn_sections(
         "_insertOpts], ...: this map has the defaults");
 }
 
-/** Adds `place` to what an invalid value says. */
+/** Adds `source` to what an invalid value says. */
 template <typename Function>
-void with_place(const std::string& place, Function&& f)
+void with_source(const std::string& source, Function&& f)
 {
   try
   {
@@ -86,7 +86,7 @@ void with_place(const std::string& place, Function&& f)
   }
   catch (const std::invalid_argument& e)
   {
-    throw std::runtime_error(e.what() + place);
+    throw std::runtime_error(e.what() + source);
   }
 }
 
@@ -119,7 +119,7 @@ void load_parameter_section(
 {
   require_sound_ini(cfg, {section});
   std::set<std::string> seen;
-  const std::string place = detail::in_section(cfg, section);
+  const std::string source = detail::in_section(cfg, section);
   for (const auto& key : detail::keys_of(cfg, section))
   {
     const std::string name = parameter_of_key(key);
@@ -135,8 +135,8 @@ void load_parameter_section(
     }
     if (!seen.insert(name).second)
       throw std::runtime_error(
-          name + " is given twice, with and without its unit; leave one of them" + place);
-    with_place(place, [&] { set_parameter(p, name, ini_value(cfg, section, key)); });
+          name + " is given twice, with and without its unit; leave one of them" + source);
+    with_source(source, [&] { set_parameter(p, name, ini_value(cfg, section, key)); });
   }
 }
 
@@ -149,7 +149,7 @@ std::vector<std::string> load_parameters(
   const std::string insertion = section_prefix + "_insertOpts";
   load_parameter_section(cfg, creation, loaded, warnings);
   load_parameter_section(cfg, insertion, loaded, warnings);
-  with_place(detail::in_sections(cfg, creation, insertion), [&] { loaded.validate(); });
+  with_source(detail::in_sections(cfg, creation, insertion), [&] { loaded.validate(); });
   warn_sections(cfg, section_prefix, warnings);
   p = loaded;
   return warnings;
@@ -160,7 +160,7 @@ void load_execution(
     int& threads, int& device)
 {
   const std::string section = section_prefix + "_creationOpts";
-  with_place(
+  with_source(
       detail::in_section(cfg, section),
       [&]
       {

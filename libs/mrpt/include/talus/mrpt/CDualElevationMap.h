@@ -275,7 +275,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
   SensorNumbers m_sensors;  //!< of the labels of the observations
   FrameReport m_lastReport;
   std::unique_ptr<hints::HintFinder> m_hints;  //!< made with the first observation
-  bool m_hintsTold = false;
+  bool m_hintsDone = false;
   SensorPoints m_scratch;  //!< reused: no allocation per observation once warm
 };
 
