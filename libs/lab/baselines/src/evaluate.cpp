@@ -47,7 +47,8 @@ class Evaluator
     if (truth_) observed_.emplace(*truth_, options_.parameters);
     if (truth_ && world_ && !world_->movers.empty())
       movers_.emplace(*truth_, *world_, options_.parameters);
-    if (world_) prepare_scene();
+    if (world_) scene_.emplace(*world_, 0.0, false);
+    if (world_) scanner_ = sim::Drive(*world_, options_.drive).scanner();
     for (const std::string& name : options_.methods) add(name);
     choose_frames();
   }
@@ -69,12 +70,6 @@ class Evaluator
   }
 
  private:
-  void prepare_scene()
-  {
-    scene_.emplace(*world_, 0.0, false);
-    scanner_ = sim::Drive(*world_, options_.drive).scanner();
-  }
-
   void add(const std::string& name)
   {
     const double before_mb = heap_mb();

@@ -83,27 +83,13 @@ class Bands
 
 SplitScan split(const ScanFrame& scan, const HoldOutOptions& o)
 {
-  SplitScan out;
-  out.kept.T_map_sensor = out.held.T_map_sensor = scan.T_map_sensor;
-  out.kept.T_base_sensor = out.held.T_base_sensor = scan.T_base_sensor;
-  out.kept.sensor = out.held.sensor = scan.sensor;
-  out.kept.stamp_s = out.held.stamp_s = scan.stamp_s;
+  SplitScan out{scan, scan};
+  for (ScanFrame* part : {&out.kept, &out.held})
+    for (auto* v : {&part->x_m, &part->y_m, &part->z_m}) v->clear();
   const Bands bands(scan, o);
   for (std::size_t i = 0; i < scan.x_m.size(); ++i)
     push(bands.held(elevation_angle(scan, i)) ? out.held : out.kept, scan, i);
   return out;
-}
-
-/** The lowest point of each cell; NaN: none. */
-std::vector<float> lowest_points(
-    const ScanFrame& scan, const Window& window, const Parameters& parameters)
-{
-  std::vector<float> lowest(
-      static_cast<std::size_t>(window.cells) * static_cast<std::size_t>(window.cells), NAN);
-  for (const MapPoint& p : accepted_points(scan.view(), parameters))
-    if (const int k = cell_index(window, p.x_m, p.y_m); k >= 0)
-      lowest[k] = std::fmin(lowest[k], p.z_m);
-  return lowest;
 }
 
 /** What all beams of all frames of a log hit in the cells of a window. NaN: nothing. */
@@ -294,7 +280,9 @@ HoldOut hold_out(
     const Surfaces surfaces = map->read();
     const SeenCells all = seen.in(surfaces.window);
     const Held held{surfaces, all, options.parameters, labels};
-    score_fills(out, held, lowest_points(parts.held, surfaces.window, options.parameters));
+    score_fills(
+        out, held,
+        lowest_points(accepted_points(parts.held.view(), options.parameters), surfaces.window));
     score_bars(out, held, other->read());
   }
   return out;

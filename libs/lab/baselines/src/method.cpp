@@ -116,6 +116,15 @@ std::vector<MapPoint> accepted_points(const Frame& frame, const Parameters& p)
   return points;
 }
 
+std::vector<float> lowest_points(const std::vector<MapPoint>& points, const Window& window)
+{
+  std::vector<float> lowest(static_cast<std::size_t>(window.cells) * window.cells, NAN);
+  for (const MapPoint& p : points)
+    if (const int k = cell_index(window, p.x_m, p.y_m); k >= 0)
+      lowest[k] = std::fmin(lowest[k], p.z_m);
+  return lowest;
+}
+
 int cell_index(const Window& w, double x_m, double y_m)
 {
   const auto i = w.index_at(x_m, y_m);

@@ -16,16 +16,9 @@ constexpr float kCleanupDeviations = 3.0f;
 std::vector<float> ray_bounds(
     const Window& window, const Pose& T_map_sensor, const std::vector<MapPoint>& points)
 {
-  const auto n = static_cast<std::size_t>(window.cells) * static_cast<std::size_t>(window.cells);
-  std::vector<float> lowest(n, NAN), bound(n, NAN);
-  for (const MapPoint& p : points)
-  {
-    const int i = cell_index(window, p.x_m, p.y_m);
-    if (i < 0) continue;
-    float& z = lowest[i];
-    z = std::fmin(z, p.z_m);
-  }
-  for (std::size_t i = 0; i < n; ++i)
+  const std::vector<float> lowest = lowest_points(points, window);
+  std::vector<float> bound(lowest.size(), NAN);
+  for (std::size_t i = 0; i < lowest.size(); ++i)
   {
     if (std::isnan(lowest[i])) continue;
     const int cell = static_cast<int>(i);

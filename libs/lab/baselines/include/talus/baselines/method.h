@@ -74,6 +74,9 @@ struct MapPoint
  * those outside the window too. */
 std::vector<MapPoint> accepted_points(const Frame& frame, const Parameters& parameters);
 
+/** The lowest of the points in each cell of a window [m]; NaN: none. */
+std::vector<float> lowest_points(const std::vector<MapPoint>& points, const Window& window);
+
 /** Index of the cell at (x, y), or -1 outside. */
 int cell_index(const Window& window, double x_m, double y_m);
 struct Middle
