@@ -108,8 +108,7 @@ std::vector<PointLabel> CDualElevationMap::labelPoints(
   return label_points(mapper(), frame_from(points, robotPose));
 }
 
-/** Looks for hints when it has seen 32, 64, 128 ... frames; ends when there is any, or after 1024.
- */
+/** Looks for hints after 32, 64, 128 ... frames, until there is any, or up to 1024 frames. */
 void CDualElevationMap::watch(const Frame& frame, const std::string& sensor)
 {
   if (m_hintsDone) return;

@@ -118,8 +118,7 @@ Decoder make_decoder(const Scan& scan, std::vector<float>* intensity)
           intensity};
 }
 
-/** The last bytes of a packet of an HDL-64 are no return mode, but its azimuths show dual returns.
- */
+/** An HDL-64 has no return mode in its packets, but their azimuths show dual returns. */
 bool is_dual(const Packet& packet, int lasers)
 {
   if (lasers == 64) return packet.azimuth(0) == packet.azimuth(2);
@@ -210,8 +209,7 @@ void add_return(
   add_point(out, xy * c + side * s, -xy * s + side * c, z);
 }
 
-/** All returns of a block that begins `block_us` after the scan. False: not a block of this sensor.
- */
+/** All returns of a block that begins `block_us` after the scan. False: of another sensor. */
 bool read_block(
     const Decoder& decoder, const Packet& packet, int block, const Slots& slots,
     const std::array<Delay, 64>& delays, double block_us, SensorPoints& out)

@@ -53,8 +53,7 @@ std::string joined(const std::vector<std::string>& names)
   return text;
 }
 
-/** Sections that start as those of this map but that nothing reads, and a map without any section.
- */
+/** Sections that begin as those of this map but that nothing reads; a map without sections. */
 void warn_sections(
     const mrpt::config::CConfigFileBase& cfg, const std::string& prefix,
     std::vector<std::string>& warnings)

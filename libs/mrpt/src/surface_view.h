@@ -57,8 +57,7 @@ struct SurfaceView
   const std::vector<float>&ground, &elevation, &variance, &state, &traversability;
 
  private:
-  /** True when one of the four neighbours ends below z, is unknown, or lies outside of the window.
-   */
+  /** Whether one of the four neighbours ends below z, is unknown, or is outside of the window. */
   bool exposed(std::size_t cell, double z) const
   {
     const auto n = static_cast<std::size_t>(window.cells);

@@ -151,8 +151,7 @@ class SeenByLog
   std::unordered_map<std::uint64_t, Extent> cells_;
 };
 
-/** Whether a point is ground: nothing stands on it, and nothing near lies below the cone under it.
- */
+/** Whether a point is ground: nothing stands on it or lies below the cone under it. */
 bool is_ground(const SeenCells& seen, const Window& w, std::size_t k, float z_m)
 {
   if (seen.highest_m[k] - z_m > kBare_m) return false;

@@ -13,8 +13,7 @@ constexpr double kApart_m = 0.4;  //!< between sensor positions from which visib
 constexpr std::size_t kPositions = 12;
 constexpr double kHitTolerance_m = 0.03;
 
-/** Frames from which to ask what could be seen: the last one, and earlier ones some distance apart.
- */
+/** Frames from which visibility is asked: the last one, and earlier ones some distance apart. */
 std::vector<const ScanFrame*> viewpoints(const std::vector<ScanFrame>& frames, std::size_t now)
 {
   std::vector<const ScanFrame*> chosen{&frames[now]};

@@ -10,8 +10,7 @@ namespace
 constexpr double kPiece_m = 0.02;
 constexpr double kFloorStep_m = 0.3;  //!< a floor higher than this is not the next one
 
-/** Tangent at waypoint i: the slopes of both neighbouring chords, weighted by the other's length.
- */
+/** Tangent at waypoint i: the slopes of both chords beside it, weighted by the other's length. */
 Vec3 tangent(const std::vector<Vec3>& p, std::size_t i)
 {
   if (i == 0) return normalized(p[1] - p[0]);

@@ -157,8 +157,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
    * insertion on; a new resolution_m or window_m starts an empty map. */
   struct TInsertionOptions : public mrpt::config::CLoadableOptions, public Parameters
   {
-    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section.
-     * */
+    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section. */
     void loadFromConfigFile(
         const mrpt::config::CConfigFileBase& source, const std::string& section) override;
     /** Writes each with its meaning as comment. */
@@ -178,8 +177,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
    * window is an outlier. 0 for an empty map. */
   struct TLikelihoodOptions : public mrpt::config::CLoadableOptions
   {
-    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section.
-     * */
+    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section. */
     void loadFromConfigFile(
         const mrpt::config::CConfigFileBase& source, const std::string& section) override;
     /** Writes each with its meaning as comment. */
@@ -197,8 +195,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
   /** How getVisualizationInto() draws the map. */
   struct TRenderOptions : public mrpt::config::CLoadableOptions
   {
-    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section.
-     * */
+    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section. */
     void loadFromConfigFile(
         const mrpt::config::CConfigFileBase& source, const std::string& section) override;
     /** Writes each with its meaning as comment. */

@@ -36,9 +36,8 @@ struct SensorPoints
  * rotating and 2D scans), `red`, `green` and `blue` from 0 to 255 (clouds with colours); from MRPT
  * 2.15 on all fields of clouds that are floats. NaN for points without.
  *
- * False for any other class, `out` is then untouched. Throws
- * std::runtime_error when a supported observation cannot be decoded (names class, label and
- * reason). */
+ * False for any other class, `out` is then untouched. Throws std::runtime_error when a supported
+ * observation cannot be decoded (names class, label and reason). */
 bool points_from_observation(const mrpt::obs::CObservation& obs, SensorPoints& out);
 
 /** The points as a frame, its sensor at `T_map_base (+) T_base_sensor`; without a path, and as

@@ -30,9 +30,8 @@ std::vector<float> fill_bgk(const SparseGround& sparse, double length_m = 1.0);
  * 3 x 3 neighbours, `iterations` times. */
 std::vector<float> fill_min_filter(const SparseGround& sparse, int iterations = 30);
 
-/** cv::inpaint on float heights in steps of 0.1 mm, radius in cells; unknown
- * cells start at the height of the nearest known one. All NaN when nothing is known.
- */
+/** cv::inpaint on float heights in steps of 0.1 mm, radius in cells; unknown cells start at the
+ * height of the nearest known one. All NaN when nothing is known. */
 std::vector<float> fill_inpaint_navier_stokes(const SparseGround& sparse, double radius_cells = 3);
 std::vector<float> fill_inpaint_telea(const SparseGround& sparse, double radius_cells = 3);
 

@@ -77,8 +77,7 @@ struct HeightImage
  * the height of its border goes on. */
 GroundPartPtr make_image(
     HeightImage image, double x_m, double y_m, double pixel_m, double min_m, double max_m);
-/** Reads a PGM file (P2 or P5, 8 or 16 bit). Throws std::invalid_argument naming file and reason.
- */
+/** Reads a PGM file (P2 or P5, 8 or 16 bit). Throws std::invalid_argument with file and reason. */
 HeightImage read_pgm(const std::string& path);
 
 /** The ground: one height for each (x, y) of the map frame. */
