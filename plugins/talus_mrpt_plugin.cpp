@@ -1,6 +1,6 @@
 #include <mrpt/core/initializer.h>
 #include <mrpt/rtti/CObject.h>
-#include <talus/mrpt/register.h>
+#include <talus/mrpt/CDualElevationMap.h>
 
 #include <iostream>
 

@@ -66,6 +66,22 @@ CLI::Option* add_number(
       ->type_name(type);
 }
 
+/** Adds an option, `type` as --help names its value, which the check must let through. */
+template <typename T>
+CLI::Option* add_checked(
+    CLI::App& app, const std::string& name, T& value, const std::string& help, const char* type,
+    const CLI::Validator& check)
+{
+  return app.add_option(name, value, help)->check(check)->type_name(type);
+}
+template <typename T>
+CLI::Option* add_checked(
+    CLI::App& app, const std::string& name, std::optional<T>& value, const std::string& help,
+    const char* type, const CLI::Validator& check)
+{
+  return add_optional(app, name, value, help)->check(check)->type_name(type);
+}
+
 /** Adds an option that takes a mounting; empty while it is not given. */
 CLI::Option* add_mounting(
     CLI::App& app, const std::string& name, std::optional<Mounting>& value,

@@ -8,7 +8,6 @@
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/obstacles.h>
 #include <talus/mrpt/parameters_ini.h>
-#include <talus/mrpt/planner_ini.h>
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <talus/io/atomic_file.h>
 #include <talus/io/score_colour.h>
-#include <talus/mrpt/labelled_cloud.h>
+#include <talus/mrpt/CDualElevationMap.h>
 
 #include <filesystem>
 #include <numeric>

@@ -9,7 +9,8 @@
 #include <talus/hints/hint_finder.h>
 #include <talus/io/layer_stack.h>
 #include <talus/io/summary_json.h>
-#include <talus/mrpt/sensor_numbers.h>
+#include <talus/mrpt/observation_points.h>
+
 #include <mrpt/obs/CObservation.h>
 #include <opencv2/core.hpp>
 #include <talus/io/geo_origin.h>

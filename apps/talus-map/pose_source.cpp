@@ -5,7 +5,7 @@
 #include "../common/crash_context.h"
 
 #include <talus/io/rawlog_reader.h>
-#include <talus/mrpt/pose_from.h>
+#include <talus/mrpt/observation_points.h>
 
 #include <algorithm>
 #include <cmath>

@@ -59,7 +59,7 @@ function(talus_vector_loops)
   else()
     set(options -fno-math-errno -fno-trapping-math -Wno-pass-failed)  # which loops clang leaves as they are
     if(TALUS_SANITIZER)  # a fifth less time for most of what is tested, and no more to build
-      list(APPEND options -O2)
+      list(APPEND options -O2 -fno-sanitize=fuzzer-no-link)
     endif()
   endif()
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "${options}")

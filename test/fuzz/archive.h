@@ -2,7 +2,7 @@
 // Objects of MRPT out of bytes and into bytes.
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/serialization/CArchive.h>
-#include <talus/mrpt/register.h>
+#include <talus/mrpt/CDualElevationMap.h>
 
 #include <cstdint>
 #include <string>

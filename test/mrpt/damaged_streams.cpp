@@ -14,12 +14,16 @@
 #include <sstream>
 #include <utility>
 
+#include "message_of.h"
+#include "streams.h"
 #include "room_for_maps.h"
 
 using namespace talus;
 using mrpt::poses::CPose3D;
 using mrpt::serialization::CArchive;
-using Bytes = std::vector<std::uint8_t>;
+using talus_test::Bytes;
+using talus_test::bytes_of;
+using talus_test::read;
 using Values = std::vector<std::pair<std::string, double>>;
 
 namespace
@@ -41,20 +45,6 @@ void write(CArchive& out, const Text& t)
   out.WriteBuffer(t.text.data(), t.text.size());
 }
 
-/** One object as MRPT frames it. */
-Bytes object(const std::string& name, const std::function<void(CArchive&)>& content)
-{
-  mrpt::io::CMemoryStream stream;
-  auto out = mrpt::serialization::archiveFrom(stream);
-  out << static_cast<std::uint8_t>(name.size() | 0x80);
-  out.WriteBuffer(name.data(), name.size());
-  out << std::uint8_t(0);
-  content(out);
-  out << std::uint8_t(0x88);
-  const auto* begin = static_cast<const std::uint8_t*>(stream.getRawBufferData());
-  return {begin, begin + stream.getTotalBytesCount()};
-}
-
 /** All of a map in a stream. */
 struct MapParts
 {
@@ -74,8 +64,8 @@ struct MapParts
 
   Bytes bytes() const
   {
-    return object(
-        "talus::CDualElevationMap",
+    return talus_test::framed(
+        "talus::CDualElevationMap", 0,
         [this](CArchive& out)
         {
           mrpt::maps::TMapGenericParams generic;
@@ -147,8 +137,8 @@ struct SnapshotParts
 
   Bytes bytes() const
   {
-    return object(
-        "talus::CObservationTraversability",
+    return talus_test::framed(
+        "talus::CObservationTraversability", 0,
         [this](CArchive& out)
         {
           out << mrpt::Clock::fromDouble(1000.0);
@@ -177,28 +167,11 @@ Bytes zeros(std::size_t cells)
   return out;
 }
 
-/** Throws what reading throws. */
-template <class T>
-void read(const Bytes& bytes, T& object)
-{
-  mrpt::io::CMemoryStream stream;
-  stream.assignMemoryNotOwn(bytes.data(), bytes.size());
-  auto in = mrpt::serialization::archiveFrom(stream);
-  in >> object;
-}
-
 template <class T>
 std::string refusal(const Bytes& bytes, T& object)
 {
-  try
-  {
-    read(bytes, object);
-  }
-  catch (const std::exception& e)
-  {
-    return e.what();
-  }
-  return "";
+  const std::string message = message_of([&] { read(bytes, object); });
+  return message == "no error" ? "" : message;
 }
 
 template <class T>
@@ -212,11 +185,6 @@ std::string refusal_of(const MapParts& m) { return refusal<CDualElevationMap>(m.
 std::string refusal_of(const SnapshotParts& s)
 {
   return refusal<CObservationTraversability>(s.bytes());
-}
-
-bool says(const std::string& text, const std::string& part)
-{
-  return text.find(part) != std::string::npos;
 }
 
 #if defined(TALUS_SANITIZER)
@@ -253,7 +221,7 @@ double growth_MB(const std::function<void()>& what)
 template <class Parts>
 void expect_refused_in_little_memory(const Parts& parts, const std::string& why)
 {
-  EXPECT_TRUE(says(refusal_of(parts), why)) << refusal_of(parts);
+  EXPECT_TRUE(has(refusal_of(parts), why));
   EXPECT_LT(growth_MB([&] { refusal_of(parts); }), kLittle_MB) << why;
 }
 }  // namespace
@@ -305,7 +273,7 @@ TEST(DamagedMap, a_state_without_a_frame_in_a_map_that_is_not_empty_is_refused)
   p.window_m = 1;
   m.state = ElevationMapper(p, Backend::Cpu).save();
   m.size_of_state = m.state.size();
-  EXPECT_TRUE(says(refusal_of(m), "size of the state")) << refusal_of(m);
+  EXPECT_TRUE(has(refusal_of(m), "size of the state")) << refusal_of(m);
 }
 
 TEST(DamagedMap, lengths_of_texts_and_counts_are_not_believed)
@@ -329,14 +297,14 @@ TEST(DamagedMap, every_parameter_is_checked_and_named)
     {
       MapParts m;
       m.parameters = {{info.name, bad}};
-      EXPECT_TRUE(says(refusal_of(m), info.name)) << info.name << " " << bad << refusal_of(m);
+      EXPECT_TRUE(has(refusal_of(m), info.name)) << info.name << " " << bad << refusal_of(m);
       m = tiny_map();
       m.of_state.emplace_back(info.name, bad);
-      EXPECT_TRUE(says(refusal_of(m), info.name)) << info.name << " " << bad;
+      EXPECT_TRUE(has(refusal_of(m), info.name)) << info.name << " " << bad;
     }
   MapParts m;
   m.parameters = {{"weight_step", 0.9}};
-  EXPECT_TRUE(says(refusal_of(m), "must be 1, not")) << refusal_of(m);
+  EXPECT_TRUE(has(refusal_of(m), "must be 1, not")) << refusal_of(m);
 }
 
 TEST(DamagedMap, every_option_is_checked_and_named)
@@ -345,7 +313,7 @@ TEST(DamagedMap, every_option_is_checked_and_named)
   {
     MapParts m;
     damage(m);
-    EXPECT_TRUE(says(refusal_of(m), why)) << why << ": " << refusal_of(m);
+    EXPECT_TRUE(has(refusal_of(m), why)) << why << ": " << refusal_of(m);
   };
   expect([](auto& m) { m.backend = "tpu"; }, "backend = 'tpu'");
   expect([](auto& m) { m.save_as_3d = 77; }, "flags of the map");
@@ -366,7 +334,7 @@ TEST(DamagedMap, a_map_stays_as_it_was_when_nothing_sound_can_be_read)
   auto m = tiny_map();
   m.state[106] = 0x80;
   m.state[107] = 0x7F;  // the first height behind the header and the sensor: infinite
-  EXPECT_TRUE(says(refusal(m.bytes(), map), "its cells are none of a map"));
+  EXPECT_TRUE(has(refusal(m.bytes(), map), "its cells are none of a map"));
   auto cut = tiny_map().bytes();
   cut.resize(cut.size() / 2);
   EXPECT_NE(refusal(cut, map), "");
@@ -404,8 +372,8 @@ TEST(OptionsSetInCode, are_shown_as_they_are_and_refused_where_they_are_used)
   std::stringstream text;
   map.insertionOptions.dumpToTextStream(text);
   map.renderOptions.dumpToTextStream(text);
-  EXPECT_TRUE(says(text.str(), "= 77")) << text.str();
-  EXPECT_TRUE(says(text.str(), "colormap =  -1")) << text.str();
+  EXPECT_TRUE(has(text.str(), "= 77")) << text.str();
+  EXPECT_TRUE(has(text.str(), "colormap =  -1")) << text.str();
   EXPECT_FALSE(map.insertObservation(talus_test::scan_of_room({})));
   mrpt_scene::CSetOfObjects scene;
   EXPECT_THROW(map.getVisualizationInto(scene), std::invalid_argument);
@@ -414,9 +382,7 @@ TEST(OptionsSetInCode, are_shown_as_they_are_and_refused_where_they_are_used)
   EXPECT_THROW(map.getVisualizationInto(scene), std::invalid_argument);
   map.likelihoodOptions.decimation = 0;
   EXPECT_EQ(map.computeObservationLikelihood(talus_test::scan_of_room({}), CPose3D()), 0);
-  mrpt::io::CMemoryStream stream;
-  auto out = mrpt::serialization::archiveFrom(stream);
-  EXPECT_ANY_THROW(out << map) << "it could not be read";
+  EXPECT_ANY_THROW(bytes_of(map)) << "it could not be read";
   ObstacleOptions obstacles;
   obstacles.unseen = static_cast<Unseen>(7);
   obstacles.dumpToTextStream(text);
@@ -431,7 +397,7 @@ TEST(DamagedSnapshot, has_one_limit_of_its_window_with_the_map)
   for (const int cells : {kMaxCellsASide + 1, 32768, -1, std::numeric_limits<int>::max()})
   {
     s.cells = cells;
-    EXPECT_TRUE(says(refusal_of(s), "number of cells")) << refusal_of(s);
+    EXPECT_TRUE(has(refusal_of(s), "number of cells")) << refusal_of(s);
   }
 }
 
@@ -450,11 +416,7 @@ TEST(DamagedSnapshot, one_that_is_read_and_told_takes_the_memory_of_its_bytes)
     std::stringstream text;
     o.getDescriptionAsText(text);
     text << o.exportTxtDataRow();
-    mrpt::io::CMemoryStream stream;
-    auto out = mrpt::serialization::archiveFrom(stream);
-    out << o;
-    const auto* again = static_cast<const std::uint8_t*>(stream.getRawBufferData());
-    if (Bytes(again, again + stream.getTotalBytesCount()) != bytes) _exit(1);  // as they came
+    if (bytes_of(o) != bytes) _exit(1);  // as they came
   };
   EXPECT_LT(growth_MB(use), kLittle_MB);
 }
@@ -496,7 +458,7 @@ TEST(DamagedSnapshot, a_layer_that_its_bytes_are_too_few_for_is_refused)
   SnapshotParts s;
   s.cells = kMaxCellsASide;
   s.layers = {{"elevation", 0, 1, zeros(2000 * 2000)}};
-  EXPECT_TRUE(says(refusal_of(s), "layer elevation")) << refusal_of(s);
+  EXPECT_TRUE(has(refusal_of(s), "layer elevation")) << refusal_of(s);
 }
 
 TEST(DamagedSnapshot, a_layer_that_is_damaged_inside_throws_where_it_is_unpacked)
@@ -520,12 +482,7 @@ TEST(DamagedSnapshot, what_no_cell_can_have_is_unknown)
   o.window = {4, 0.05, 0, 0};
   o.set_layer(Layer::State, std::vector<float>(16, 17));
   o.set_layer(Layer::Slope, std::vector<float>(16, 2));
-  mrpt::io::CMemoryStream stream;
-  auto archive = mrpt::serialization::archiveFrom(stream);
-  archive << o;
-  stream.Seek(0);
-  CObservationTraversability back;
-  archive >> back;
+  const auto back = read<CObservationTraversability>(bytes_of(o));
   for (const Layer l : {Layer::State, Layer::Slope})
     for (const float v : back.layer(l)) EXPECT_TRUE(std::isnan(v)) << v;
 }
@@ -548,9 +505,7 @@ TEST(DamagedSnapshot, a_layer_that_code_gave_another_size_is_refused)
   CObservationTraversability o;
   o.set_layer(Layer::Traversability, {0, 0});
   EXPECT_THROW(o.summary(), std::runtime_error);
-  mrpt::io::CMemoryStream stream;
-  auto archive = mrpt::serialization::archiveFrom(stream);
-  EXPECT_ANY_THROW(archive << o);
+  EXPECT_ANY_THROW(bytes_of(o));
 }
 
 TEST(DamagedSnapshot, any_byte_may_be_wrong_or_missing)
@@ -562,14 +517,12 @@ TEST(DamagedSnapshot, any_byte_may_be_wrong_or_missing)
   {
     CObservationTraversability o;
     if (!refusal(bytes, o).empty()) return;
-    try
-    {
-      o.exportTxtDataRow();
-      for (int l = 0; l < kLayerCount; l++) o.layer(static_cast<Layer>(l));
-    }
-    catch (const std::runtime_error&)
-    {
-    }
+    message_of(
+        [&]
+        {
+          o.exportTxtDataRow();
+          for (int l = 0; l < kLayerCount; l++) o.layer(static_cast<Layer>(l));
+        });
   };
   EXPECT_LT(
       growth_MB(

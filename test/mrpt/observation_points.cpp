@@ -1,6 +1,4 @@
 #include <talus/mrpt/observation_points.h>
-#include <talus/mrpt/pose_from.h>
-#include <talus/mrpt/sensor_numbers.h>
 
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/maps/CSimplePointsMap.h>

@@ -5,7 +5,6 @@
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/obstacles.h>
 #include <talus/mrpt/parameters_ini.h>
-#include <talus/mrpt/planner_ini.h>
 #include <talus/mrpt/version_compat.h>
 
 #include <cstdio>
@@ -15,6 +14,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "message_of.h"
+
 using mrpt::config::CConfigFileMemory;
 using talus::Parameters;
 
@@ -23,21 +24,6 @@ namespace
 std::vector<std::string> load(const std::string& text, Parameters& p)
 {
   return talus::load_parameters(CConfigFileMemory(text), "Map", p);
-}
-
-/** The message of the std::runtime_error that the function throws. */
-template <typename Function>
-std::string message_of(Function&& f)
-{
-  try
-  {
-    f();
-  }
-  catch (const std::runtime_error& e)
-  {
-    return e.what();
-  }
-  return "no error";
 }
 
 std::string error_of(const std::string& text)
@@ -50,11 +36,6 @@ std::string error_of(const std::string& text)
 std::string flaw_of(const std::string& text)
 {
   return message_of([&] { talus::require_sound_ini(text, "f.ini", {"Map_a", "Map_b"}); });
-}
-
-bool contains(const std::string& text, const std::string& part)
-{
-  return text.find(part) != std::string::npos;
 }
 }  // namespace
 
@@ -88,9 +69,9 @@ TEST(ParametersIni, an_unknown_key_is_warned_with_section_and_nearest_known_name
   Parameters p;
   const auto warnings = load("[Map_insertOpts]\nclearence_m = 0.7\n", p);
   ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_TRUE(contains(warnings[0], "'clearence_m'")) << warnings[0];
-  EXPECT_TRUE(contains(warnings[0], "[Map_insertOpts]")) << warnings[0];
-  EXPECT_TRUE(contains(warnings[0], "'clearance_m'")) << warnings[0];
+  EXPECT_TRUE(has(warnings[0], "'clearence_m'"));
+  EXPECT_TRUE(has(warnings[0], "[Map_insertOpts]"));
+  EXPECT_TRUE(has(warnings[0], "'clearance_m'"));
 }
 
 TEST(ParametersIni, an_unknown_key_is_warned_with_the_nearest_that_is_no_parameter)
@@ -100,7 +81,7 @@ TEST(ParametersIni, an_unknown_key_is_warned_with_the_nearest_that_is_no_paramet
   {
     const auto warnings = load("[Map_creationOpts]\n" + known + "x = 1\n", p);
     ASSERT_EQ(warnings.size(), 1U) << known;
-    EXPECT_TRUE(contains(warnings[0], "nearest known name is '" + known + "'")) << warnings[0];
+    EXPECT_TRUE(has(warnings[0], "nearest known name is '" + known + "'"));
   }
 }
 
@@ -109,10 +90,10 @@ TEST(ParametersIni, sections_that_nothing_reads_are_warned)
   Parameters p;
   const auto wrong_ending = load("[Map_creationOpts]\n[Map_insertionOpts]\nclearance_m=1\n", p);
   ASSERT_FALSE(wrong_ending.empty());
-  EXPECT_TRUE(contains(wrong_ending.back(), "[Map_insertionOpts]")) << wrong_ending.back();
+  EXPECT_TRUE(has(wrong_ending.back(), "[Map_insertionOpts]"));
   const auto none = load("[Other]\nclearance_m=1\n", p);
   ASSERT_EQ(none.size(), 1U);
-  EXPECT_TRUE(contains(none[0], "no section [Map_creationOpts]")) << none[0];
+  EXPECT_TRUE(has(none[0], "no section [Map_creationOpts]"));
 }
 
 TEST(ParametersIni, an_unknown_key_that_is_near_to_nothing_gets_no_name)
@@ -122,9 +103,8 @@ TEST(ParametersIni, an_unknown_key_that_is_near_to_nothing_gets_no_name)
   {
     const auto warnings = load("[Map_insertOpts]\n" + unknown + " = lines\n", p);
     ASSERT_EQ(warnings.size(), 1U);
-    EXPECT_TRUE(contains(warnings[0], "'" + unknown + "' in section [Map_insertOpts]"))
-        << warnings[0];
-    EXPECT_FALSE(contains(warnings[0], "nearest")) << warnings[0];
+    EXPECT_TRUE(has(warnings[0], "'" + unknown + "' in section [Map_insertOpts]"));
+    EXPECT_FALSE(has(warnings[0], "nearest")) << warnings[0];
   }
 }
 
@@ -134,22 +114,21 @@ TEST(ParametersIni, what_mrpt_prints_of_an_error_is_the_whole_of_it)
   for (const std::string text :
        {"[Map_insertOpts]\nmax_range_m = abc\n", "[Map_insertOpts]\nwindow_m = 5000\n",
         "[Map_creationOpts]\nbackend = tpu\n"})
-    try
-    {
-      const CConfigFileMemory cfg(text);
-      Parameters p;
-      talus::Backend backend = talus::Backend::Auto;
-      int threads = 1, device = 0;
-      talus::load_parameters(cfg, "Map", p);
-      talus::load_execution(cfg, "Map", backend, threads, device);
-      ADD_FAILURE() << "nothing thrown for " << text;
-    }
-    catch (const std::runtime_error& e)
-    {
-      const std::string shown =
-          mrpt::exception_to_str(mrpt::ExceptionWithCallBack<std::runtime_error>(e));
-      EXPECT_TRUE(contains(shown, e.what())) << shown;
-    }
+  {
+    const CConfigFileMemory cfg(text);
+    Parameters p;
+    talus::Backend backend = talus::Backend::Auto;
+    int threads = 1, device = 0;
+    const std::string message = message_of(
+        [&]
+        {
+          talus::load_parameters(cfg, "Map", p);
+          talus::load_execution(cfg, "Map", backend, threads, device);
+        });
+    ASSERT_NE(message, "no error") << text;
+    const mrpt::ExceptionWithCallBack<std::runtime_error> thrown{std::runtime_error(message)};
+    EXPECT_TRUE(has(mrpt::exception_to_str(thrown), message));
+  }
 }
 
 TEST(ParametersIni, an_error_names_the_file_where_there_is_one)
@@ -162,7 +141,7 @@ TEST(ParametersIni, an_error_names_the_file_where_there_is_one)
     return message_of([&] { talus::load_parameters(mrpt::config::CConfigFile(file), "Map", p); });
   };
   const std::string value = message("lambda_t = x\n"), line = message("\nlambda_t 2\n");
-  EXPECT_TRUE(contains(value, "(in section Map_insertOpts of " + file + ")")) << value;
+  EXPECT_TRUE(has(value, "(in section Map_insertOpts of " + file + ")"));
   EXPECT_EQ(line.rfind(file + ":3: 'lambda_t 2' has no '='", 0), 0U) << line;
   std::remove(file.c_str());
 }
@@ -214,8 +193,8 @@ TEST(ParametersIni, a_parameter_with_and_without_its_unit_is_refused)
 {
   const std::string message =
       error_of("[Map_creationOpts]\nresolution_m = 0.1\nresolution = 0.2\n");
-  EXPECT_TRUE(contains(message, "resolution_m is given twice")) << message;
-  EXPECT_TRUE(contains(message, "(in section Map_creationOpts)")) << message;
+  EXPECT_TRUE(has(message, "resolution_m is given twice"));
+  EXPECT_TRUE(has(message, "(in section Map_creationOpts)"));
 }
 
 TEST(ParametersIni, a_comment_with_slashes_is_no_unknown_key)
@@ -242,7 +221,7 @@ TEST(ParametersIni, options_refuse_what_mrpt_would_read_as_some_other_value)
     const std::string message = message_of(
         [&, o = options, l = line] { o->loadFromConfigFile(CConfigFileMemory("[S]\n" + l), "S"); });
     EXPECT_EQ(message.rfind(key + " = '" + value + "': must be ", 0), 0U) << message;
-    EXPECT_TRUE(contains(message, "(in section S)")) << message;
+    EXPECT_TRUE(has(message, "(in section S)"));
   }
 }
 
@@ -251,11 +230,11 @@ TEST(ParametersIni, a_bad_value_names_section_key_value_and_range_and_changes_no
   for (const std::string value : {"-0.05", "0", "abc", "nan", "", "0.05m"})
   {
     const std::string message = error_of("[Map_creationOpts]\nresolution_m = " + value + "\n");
-    EXPECT_TRUE(contains(message, "(in section Map_creationOpts)")) << value << ": " << message;
-    EXPECT_TRUE(contains(message, "resolution_m = '" + value + "'")) << message;
-    EXPECT_TRUE(contains(message, "0.001 to 100 m")) << message;
+    EXPECT_TRUE(has(message, "(in section Map_creationOpts)")) << value << ": " << message;
+    EXPECT_TRUE(has(message, "resolution_m = '" + value + "'"));
+    EXPECT_TRUE(has(message, "0.001 to 100 m"));
   }
-  EXPECT_TRUE(contains(error_of("[Map_insertOpts]\nfill_samples = 2.5\n"), "fill_samples"));
+  EXPECT_TRUE(has(error_of("[Map_insertOpts]\nfill_samples = 2.5\n"), "fill_samples"));
 
   Parameters p;
   EXPECT_THROW(load("[Map_insertOpts]\nclearance_m = 0.9\nlambda_t = x\n", p), std::runtime_error);
@@ -266,8 +245,8 @@ TEST(ParametersIni, a_window_of_a_hundred_thousand_cells_is_refused_with_the_sec
 {
   const std::string message =
       error_of("[Map_creationOpts]\nresolution = 1\nwindow = 100000\n[Map_insertOpts]\n");
-  EXPECT_TRUE(contains(message, "(in sections Map_creationOpts and Map_insertOpts)")) << message;
-  EXPECT_TRUE(contains(message, "100000")) << message;
+  EXPECT_TRUE(has(message, "(in sections Map_creationOpts and Map_insertOpts)"));
+  EXPECT_TRUE(has(message, "100000"));
 }
 
 TEST(ParametersIni, backend_threads_and_device_are_read_and_checked)

@@ -7,16 +7,14 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/rtti/CObject.h>
 #include <mrpt/system/os.h>
-
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "comma_locale.h"
-#include "sanitizer.h"
+#include "message_of.h"
 
 namespace fs = std::filesystem;
 using mrpt::maps::CMultiMetricMap;
@@ -51,30 +49,6 @@ mrpt::obs::CObservationPointCloud square_of_floor()
   mrpt::obs::CObservationPointCloud obs;
   obs.pointcloud = points;
   return obs;
-}
-
-struct Run
-{
-  int code;
-  std::string output;
-};
-
-/** A program of the host with the plugin in it; no key is waited for. */
-Run run_with_plugin(const std::string& command, const fs::path& folder)
-{
-  const std::string log = (folder / "output.txt").string();
-  const std::string line = "cd '" + folder.string() +
-                           "' && LD_PRELOAD='" TALUS_PLUGIN "' timeout 300 " + command +
-                           " </dev/null >'" + log + "' 2>&1";
-  const int status = std::system(line.c_str());
-  std::stringstream text;
-  text << std::ifstream(log).rdbuf();
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text.str()};
-}
-
-bool program_exists(const std::string& name)
-{
-  return std::system(("command -v " + name + " >/dev/null").c_str()) == 0;
 }
 }  // namespace
 
@@ -126,34 +100,8 @@ TEST_F(CommaLocale, an_ini_file_gives_the_map_of_the_plugin_its_numbers)
   definitions.dumpToTextStream(text);
   for (const std::string line :
        {"resolution = 0.1 m", "window     = 6.5 m", "= -1.25 m", "0.25", "12345"})
-    EXPECT_NE(text.str().find(line), std::string::npos) << line << "\n" << text.str();
+    EXPECT_TRUE(has(text.str(), line)) << line << "\n" << text.str();
   const CMultiMetricMap maps(definitions);
   ASSERT_EQ(terrain_maps(maps), 1);
   EXPECT_EQ(maps.maps.front()->asString(), "talus::CDualElevationMap, 6.5 x 6.5 m at 0.1 m, empty");
-}
-
-TEST(Plugin, stock_observations2map_writes_the_terrain_map_with_the_shipped_ini)
-{
-  const fs::path simplemap = "/usr/share/mrpt/datasets/localization_demo.simplemap.gz";
-  TALUS_SKIP_UNDER_SANITIZER("stock programs are built without it");
-  if (!program_exists("observations2map")) GTEST_SKIP() << "observations2map is not installed";
-  if (!fs::exists(simplemap)) GTEST_SKIP() << simplemap << " is not installed";
-  const fs::path folder =
-      fs::temp_directory_path() / ("talus_observations2map_" + std::to_string(getpid()));
-  fs::remove_all(folder);
-  fs::create_directories(folder);
-  const auto run =
-      run_with_plugin("observations2map '" + kIni + "' " + simplemap.string() + " out", folder);
-  EXPECT_EQ(run.code, 0) << run.output;
-  int terrain = 0;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().filename().string().find("CDualElevationMap") != std::string::npos &&
-        entry.path().extension() != ".bin")  // which observations2map writes from 2.14 on
-    {
-      terrain++;
-      EXPECT_GT(entry.file_size(), 1000U) << entry.path();
-    }
-  fs::remove_all(folder);
-  EXPECT_EQ(terrain, 3) << "GeoTIFF, PNG and scene of one map\n" << run.output;
-  EXPECT_EQ(run.output.find("unknown key"), std::string::npos) << run.output;
 }

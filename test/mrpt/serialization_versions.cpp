@@ -1,39 +1,20 @@
 // Streams of other versions: a parameter that they leave out has its default, one that they alone
 // know is skipped, and a later format is refused by name. The streams are written here byte by
 // byte.
-#include <mrpt/io/CMemoryStream.h>
-#include <mrpt/serialization/CArchive.h>
 #include <talus/mrpt/CObservationTraversability.h>
 
-#include <functional>
-
+#include "message_of.h"
 #include "room_for_maps.h"
+#include "streams.h"
 
 using namespace talus;
 using mrpt::serialization::CArchive;
+using talus_test::bytes_of;
+using talus_test::framed;
+using talus_test::read;
 
 namespace
 {
-/** One object as MRPT frames it: length of the name, name, version, content, end. */
-void write_object(
-    CArchive& out, const std::string& name, std::uint8_t version,
-    const std::function<void(CArchive&)>& content)
-{
-  out << static_cast<std::uint8_t>(name.size() | 0x80);
-  out.WriteBuffer(name.data(), name.size());
-  out << version;
-  content(out);
-  out << static_cast<std::uint8_t>(0x88);
-}
-
-template <class T>
-void read(mrpt::io::CMemoryStream& stream, T& object)
-{
-  stream.Seek(0);
-  auto in = mrpt::serialization::archiveFrom(stream);
-  in >> object;
-}
-
 /** An empty map, with one known parameter and one that this version does not know. */
 void write_map(CArchive& out)
 {
@@ -59,29 +40,13 @@ void write_snapshot(CArchive& out)
 template <class T>
 std::string error_of_version(const std::string& name, std::uint8_t version)
 {
-  mrpt::io::CMemoryStream stream;
-  auto out = mrpt::serialization::archiveFrom(stream);
-  write_object(out, name, version, [](CArchive&) {});
-  try
-  {
-    T object;
-    read(stream, object);
-  }
-  catch (const std::exception& e)
-  {
-    return e.what();
-  }
-  return "";
+  return message_of([&] { read<T>(framed(name, version, [](CArchive&) {})); });
 }
 }  // namespace
 
 TEST(SerializationVersions, a_map_with_fewer_and_other_parameters_is_read)
 {
-  mrpt::io::CMemoryStream stream;
-  auto out = mrpt::serialization::archiveFrom(stream);
-  write_object(out, "talus::CDualElevationMap", 0, write_map);
-  CDualElevationMap map;
-  read(stream, map);
+  auto map = read<CDualElevationMap>(framed("talus::CDualElevationMap", 0, write_map));
   EXPECT_TRUE(map.isEmpty());
   EXPECT_EQ(map.insertionOptions.clearance_m, 1.25);
   EXPECT_EQ(map.insertionOptions.resolution_m, Parameters().resolution_m);
@@ -105,10 +70,7 @@ TEST(SerializationVersions, a_map_of_two_sensors_with_a_body_goes_on_from_a_stre
   p.body_boxes_m = {{-0.5, 0.1 + 0.2, -0.3, 0.3, 0, 0.9}, {0.3, 0.6, -0.1, 0.1, 0.2, 1.1}};
   CDualElevationMap map(p, Backend::Cpu), copy;
   for (int i = 0; i < 3; i++) ASSERT_TRUE(see(map, i));
-  mrpt::io::CMemoryStream stream;
-  auto out = mrpt::serialization::archiveFrom(stream);
-  out << map;
-  read(stream, copy);
+  read(bytes_of(map), copy);
   EXPECT_TRUE(
       is_same_value(*find_parameter("body_boxes_m"), copy.insertionOptions, map.insertionOptions));
   for (int i = 4; i > 2; i--)  // the other one first
@@ -118,11 +80,8 @@ TEST(SerializationVersions, a_map_of_two_sensors_with_a_body_goes_on_from_a_stre
 
 TEST(SerializationVersions, a_snapshot_with_a_layer_of_another_version_is_read_without_it)
 {
-  mrpt::io::CMemoryStream stream;
-  auto out = mrpt::serialization::archiveFrom(stream);
-  write_object(out, "talus::CObservationTraversability", 0, write_snapshot);
-  CObservationTraversability snapshot;
-  read(stream, snapshot);
+  const auto snapshot = read<CObservationTraversability>(
+      framed("talus::CObservationTraversability", 0, write_snapshot));
   EXPECT_EQ(snapshot.sensorLabel, "terrain");
   EXPECT_EQ(snapshot.window.cells, 4);
   EXPECT_EQ(snapshot.window.min_cell_y, 7);
@@ -134,5 +93,5 @@ TEST(SerializationVersions, a_later_version_is_refused_with_its_number)
   for (const auto& text :
        {error_of_version<CDualElevationMap>("talus::CDualElevationMap", 9),
         error_of_version<CObservationTraversability>("talus::CObservationTraversability", 9)})
-    EXPECT_NE(text.find("unknown serialization version number: '9'"), std::string::npos) << text;
+    EXPECT_TRUE(has(text, "unknown serialization version number: '9'"));
 }

@@ -163,6 +163,8 @@ TEST_F(StockApps, observations2map_honours_the_options_of_the_file)
   EXPECT_EQ(run("observations2map", "options.ini " + map + " out"), 0) << output;
   expect_geotiff("out", "00", 60, 0.2);
   EXPECT_EQ(run("observations2map", kConfigs + "observations2map.ini " + map + " shipped"), 0);
+  EXPECT_FALSE(says("unknown key")) << output;
+  expect_terrain_map("", "shipped");
   expect_geotiff("shipped", "01", 160, 0.1);
 }
 

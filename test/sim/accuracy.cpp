@@ -34,8 +34,7 @@ Evaluation drive(const std::string& ground_and_things, const std::string& way)
   return evaluate_world(sim::parse_world(text, "test.yaml"), options);
 }
 
-/** All budgets but those named must hold; those in `must_apply` must also have something to judge.
- */
+/** All budgets but those in `not_yet` must hold; those in `must_apply` must have been judged. */
 void expect_budgets(const Evaluation& e, const Names& must_apply, const Names& not_yet)
 {
   for (const BudgetResult& r : check_budgets(e))

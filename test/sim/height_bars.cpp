@@ -16,33 +16,35 @@ constexpr int kMany = 20000;
 constexpr double kShare = 0.015;  //!< four deviations of a share of kMany
 
 /** Normal errors of a deviation, told as another. */
-ToldErrors normal_errors(double true_m, double told_m)
+EstimateErrors normal_errors(double true_m, double estimated_m)
 {
   sim::Random random(7);
-  ToldErrors e;
+  EstimateErrors e;
   for (int i = 0; i < kMany; ++i)
-    e.add(static_cast<float>(true_m * random.normal()), static_cast<float>(told_m * told_m));
+    e.add(
+        static_cast<float>(true_m * random.normal()),
+        static_cast<float>(estimated_m * estimated_m));
   return e;
 }
 
-TEST(ToldErrors, WithinOneAndTwoTrueDeviationsAre68And95Percent)
+TEST(EstimateErrors, WithinOneAndTwoTrueDeviationsAre68And95Percent)
 {
-  const ToldErrors e = normal_errors(0.01, 0.01);
+  const EstimateErrors e = normal_errors(0.01, 0.01);
   EXPECT_NEAR(e.within(1), 0.683, kShare);
   EXPECT_NEAR(e.within(2), 0.954, kShare);
   for (const double p : {0.1, 0.5, 0.9}) EXPECT_NEAR(e.share_within(p), p, kShare);
   EXPECT_NEAR(e.true_m(), 0.01, 3e-4);
 }
 
-TEST(ToldErrors, OfAModestMapAreNearlyAllWithinOne)
+TEST(EstimateErrors, OfAModestMapAreNearlyAllWithinOne)
 {
   EXPECT_GT(normal_errors(0.01, 0.04).within(1), 0.99);
   EXPECT_LT(normal_errors(0.04, 0.01).within(2), 0.45);
 }
 
-TEST(ToldErrors, LeaveOutWhatHasNoVariance)
+TEST(EstimateErrors, LeaveOutWhatHasNoVariance)
 {
-  ToldErrors e;
+  EstimateErrors e;
   e.add(0.1f, std::numeric_limits<float>::quiet_NaN());
   EXPECT_EQ(e.count(), 0U);
   EXPECT_TRUE(std::isnan(e.within(1)));
@@ -62,7 +64,7 @@ TEST(HeightBars, AreKeptByKindAndDistance)
   EXPECT_EQ(bars.far(2).count(), 1U);
   EXPECT_EQ(
       bars.all(0).count() + bars.all(1).count() + bars.all(2).count() + bars.all(3).count(), 2U);
-  EXPECT_FLOAT_EQ(bars.near(0).told_m[0], 0.3f);
+  EXPECT_FLOAT_EQ(bars.near(0).estimated_m[0], 0.3f);
   EXPECT_FLOAT_EQ(bars.near(0).abs_m[0], 0.1f);
 }
 
@@ -93,11 +95,11 @@ TEST(HoldOut, ComparesTheHeightsOfTwoMapsWithWhatBothTell)
   for (const double error_m : {0.002, 0.01})
   {
     const HoldOut out = hold_out(scan_of_a_floor(error_m), small, {}, nullptr);
-    const ToldErrors measured = out.bars.all(0);
+    const EstimateErrors measured = out.bars.all(0);
     ASSERT_GT(measured.count(), 100U);
     EXPECT_LT(measured.true_m(), 2 * error_m);
     EXPECT_GT(measured.within(2), 0.85) << error_m;
-    EXPECT_LT(measured.median_told_m(), 3 * error_m);
+    EXPECT_LT(measured.median_estimated_m(), 3 * error_m);
   }
 }
 

@@ -1,7 +1,7 @@
 // How labels of points are scored against those of people: by hand-made scans of which each figure
 // is known.
 #include <gtest/gtest.h>
-#include <talus/baselines/label_score.h>
+#include <talus/baselines/real_log.h>
 
 #include <cmath>
 #include <limits>

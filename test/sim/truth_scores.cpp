@@ -108,8 +108,7 @@ TEST(Score, SeesAWallThatIsNotThereAsLostReach)
   const Stage stage("");
   Surfaces map = stage.perfect();
   const int n = map.window.cells;
-  for (int iy = 0; iy < n; ++iy)
-    map.traversability[static_cast<std::size_t>(iy * n + n / 2 + 20)] = 0.0f;
+  for (int iy = 0; iy < n; ++iy) map.traversability[iy * n + n / 2 + 20] = 0.0f;
   EXPECT_NEAR(stage.score(map).reach.value(), (n / 2 + 20.0) / n, 0.01);
 }
 
@@ -118,8 +117,7 @@ TEST(Score, MeasuresInflationInCells)
   const Stage stage(kBox);
   Surfaces map = stage.perfect();
   for (std::size_t k = 0; k < map.size(); ++k)
-    if (stage.truth.to_obstacle[static_cast<std::size_t>(stage.here.at[k])] <= 3)
-      map.traversability[k] = 0.0f;
+    if (stage.truth.to_obstacle[stage.here.at[k]] <= 3) map.traversability[k] = 0.0f;
   EXPECT_EQ(stage.score(map).inflation_cells(), 3.0);
 }
 
@@ -183,8 +181,7 @@ TEST(Score, LeavesOutWhatStandsWithinFiveCentimetresOfAStep)
   {
     Surfaces map = stage.perfect();
     for (std::size_t k = 0; k < map.size(); ++k)
-      if (stage.truth.to_obstacle[static_cast<std::size_t>(stage.here.at[k])] <= cells)
-        map.traversability[k] = 0.0f;
+      if (stage.truth.to_obstacle[stage.here.at[k]] <= cells) map.traversability[k] = 0.0f;
     return map;
   };
   EXPECT_EQ(stage.score(blocked_up_to(0)).reach.value(), 1.0);
@@ -221,7 +218,7 @@ TEST(Score, AHitWithinFiveCentimetresOfAStepShowsNoObstacle)
     f.x_m = {2.3f}, f.y_m = {0.0f};
     f.z_m = {height_m - static_cast<float>(f.T_true.z())};
     observed.add(f);
-    return observed.shows_obstacle(static_cast<std::size_t>(stage.here.at[stage.cell(2.3, 0)]));
+    return observed.shows_obstacle(stage.here.at[stage.cell(2.3, 0)]);
   };
   EXPECT_FALSE(shown(0.24f));
   EXPECT_TRUE(shown(0.26f));
@@ -259,8 +256,8 @@ TEST(Score, AThingAboveAnEdgeDoesNotShowTheDropBelow)
       for (const double x : {1.975, 2.025})
       {
         const int at = stage.here.at[stage.cell(x, y)];
-        EXPECT_TRUE(stage.truth.blocked(static_cast<std::size_t>(at)));
-        cells += stage.observed.shows_obstacle(static_cast<std::size_t>(at));
+        EXPECT_TRUE(stage.truth.blocked(at));
+        cells += stage.observed.shows_obstacle(at);
       }
     return cells;
   };
@@ -353,9 +350,9 @@ TEST(TruthMap, TellsFlatFromSlopeRoughAndSteps)
   const TruthMap truth = truth_of(world, EvaluationOptions());
   const auto kind = [&](double x, double y)
   {
-    return truth.terrain[static_cast<std::size_t>(truth.index(
+    return truth.terrain[truth.index(
         static_cast<std::int64_t>(std::floor(x / 0.05)),
-        static_cast<std::int64_t>(std::floor(y / 0.05))))];
+        static_cast<std::int64_t>(std::floor(y / 0.05)))];
   };
   EXPECT_EQ(kind(0, 0), Terrain::Flat);
   EXPECT_EQ(kind(3, 0), Terrain::Slope);

@@ -48,7 +48,7 @@ class Scan
 
 inline float at(const Surfaces& s, const std::vector<float>& layer, double x_m, double y_m)
 {
-  return layer[static_cast<std::size_t>(cell_index(s.window, x_m, y_m))];
+  return layer[cell_index(s.window, x_m, y_m)];
 }
 
 }  // namespace talus::baselines

@@ -59,11 +59,11 @@ inline mrpt::obs::CObservationVelodyneScan empty_scan(
   mrpt::obs::CObservationVelodyneScan scan;
   scan.minRange = 0.5;
   scan.maxRange = 100;
-  scan.scan_packets.resize(static_cast<std::size_t>(packets));
+  scan.scan_packets.resize(packets);
   int azimuth = 0;
   for (int p = 0; p < packets; ++p)
   {
-    auto& packet = scan.scan_packets[static_cast<std::size_t>(p)];
+    auto& packet = scan.scan_packets[p];
     std::memset(static_cast<void*>(&packet), 0, sizeof packet);
     PacketWriter writer(packet);
     for (int b = 0; b < 12; ++b)

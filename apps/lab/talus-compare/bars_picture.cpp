@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bars_report.h"
+#include "report.h"
 
 namespace talus::baselines
 {
@@ -56,16 +56,15 @@ std::vector<cv::Point2d> curve(int x, const std::vector<const HeightBars*>& of, 
   int count = 0;
   for (const HeightBars* bars : of)
   {
-    const ToldErrors errors = bars->all(kind);
+    const EstimateErrors errors = bars->all(kind);
     if (errors.count() < kMinHeightCount) continue;
     ++count;
     for (int i = 1; i < kPoints; ++i)
-      sum[static_cast<std::size_t>(i - 1)] += errors.share_within(static_cast<double>(i) / kPoints);
+      sum[i - 1] += errors.share_within(static_cast<double>(i) / kPoints);
   }
   std::vector<cv::Point2d> points;
   for (int i = 1; i < kPoints && count > 0; ++i)
-    points.push_back(
-        at(x, static_cast<double>(i) / kPoints, sum[static_cast<std::size_t>(i - 1)] / count));
+    points.push_back(at(x, static_cast<double>(i) / kPoints, sum[i - 1] / count));
   return points;
 }
 

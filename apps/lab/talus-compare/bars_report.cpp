@@ -1,4 +1,4 @@
-#include "bars_report.h"
+#include "report.h"
 
 #include <cmath>
 #include <map>
@@ -21,27 +21,27 @@ double mean_of(const BarsOf& bars, int kind, const Figure& figure)
 std::string shares(const BarsOf& bars, int kind)
 {
   const auto share = [&](double deviations)
-  { return mean_of(bars, kind, [&](const ToldErrors& e) { return e.within(deviations); }); };
+  { return mean_of(bars, kind, [&](const EstimateErrors& e) { return e.within(deviations); }); };
   const double one = share(1), two = share(2);
   return std::isnan(one) ? "-" : percent(one) + ", " + percent(two);
 }
 
 std::string deviations(const BarsOf& bars, int kind)
 {
-  const double told = mean_of(bars, kind, [](const ToldErrors& e) { return e.median_told_m(); });
-  const double is = mean_of(bars, kind, [](const ToldErrors& e) { return e.true_m(); });
+  const double told =
+      mean_of(bars, kind, [](const EstimateErrors& e) { return e.median_estimated_m(); });
+  const double is = mean_of(bars, kind, [](const EstimateErrors& e) { return e.true_m(); });
   return std::isnan(told) ? "-" : number(1000 * told, 1) + ", " + number(1000 * is, 1);
 }
 
-nlohmann::json as_json(const ToldErrors& e)
+nlohmann::json as_json(const EstimateErrors& e)
 {
-  const auto value = [](double v) { return std::isnan(v) ? nlohmann::json() : nlohmann::json(v); };
   return {
       {"n", e.count()},
-      {"within_1", value(e.within(1))},
-      {"within_2", value(e.within(2))},
-      {"told_m", value(e.median_told_m())},
-      {"true_m", value(e.true_m())}};
+      {"within_1", e.within(1)},
+      {"within_2", e.within(2)},
+      {"told_m", e.median_estimated_m()},
+      {"true_m", e.true_m()}};
 }
 }  // namespace
 

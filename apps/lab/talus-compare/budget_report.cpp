@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "report.h"
 
@@ -145,14 +144,26 @@ std::vector<Table> budget_tables(const Comparison& c)
   return tables;
 }
 
-/** Does `what` for each budget of each world that was judged. */
-void for_each_budget(
-    const Comparison& c,
-    const std::function<void(const Evaluation&, const BudgetResult&, ExpectedFailures::Verdict)>&
-        what)
+struct Judged
 {
+  const Evaluation* world;
+  BudgetResult result;
+  ExpectedFailures::Verdict verdict;
+};
+std::vector<Judged> judged_budgets(const Comparison& c)
+{
+  std::vector<Judged> judged;
   for (const Evaluation* e : judged_worlds(c))
-    for (const BudgetResult& r : check_budgets(*e)) what(*e, r, c.expected.judge(e->name, r));
+    for (const BudgetResult& r : check_budgets(*e))
+      judged.push_back({e, r, c.expected.judge(e->name, r)});
+  return judged;
+}
+
+template <class Which>
+int count_budgets(const Comparison& c, const Which& which)
+{
+  const auto judged = judged_budgets(c);
+  return static_cast<int>(std::count_if(judged.begin(), judged.end(), which));
 }
 
 /** World, budget, value, and what is known of it. */
@@ -196,13 +207,12 @@ std::string surprises_text(const Comparison& c)
 {
   if (c.expected.empty()) return {};
   std::string wrong, right;
-  for_each_budget(
-      c,
-      [&](const Evaluation& e, const BudgetResult& r, ExpectedFailures::Verdict v)
-      {
-        if (is_unexpected(v)) wrong += surprise(e, r, c.expected);
-        if (v == ExpectedFailures::Verdict::NoLongerFails) right += surprise(e, r, c.expected);
-      });
+  for (const auto& [world, result, verdict] : judged_budgets(c))
+  {
+    if (is_unexpected(verdict)) wrong += surprise(*world, result, c.expected);
+    if (verdict == ExpectedFailures::Verdict::NoLongerFails)
+      right += surprise(*world, result, c.expected);
+  }
   if (!wrong.empty()) wrong = "New or clearly worse:\n\n" + wrong + "\n";
   if (right.empty()) return wrong;
   return wrong + "No longer fails; take these out of the expected failures by --accept:\n\n" +
@@ -211,20 +221,12 @@ std::string surprises_text(const Comparison& c)
 
 int failed_budgets(const Comparison& c)
 {
-  int failed = 0;
-  for_each_budget(
-      c, [&](const Evaluation&, const BudgetResult& r, ExpectedFailures::Verdict)
-      { failed += fails(r); });
-  return failed;
+  return count_budgets(c, [](const Judged& j) { return fails(j.result); });
 }
 
 int unexpected_failures(const Comparison& c)
 {
-  int unexpected = 0;
-  for_each_budget(
-      c, [&](const Evaluation&, const BudgetResult&, ExpectedFailures::Verdict v)
-      { unexpected += is_unexpected(v); });
-  return unexpected;
+  return count_budgets(c, [](const Judged& j) { return is_unexpected(j.verdict); });
 }
 
 }  // namespace talus::baselines

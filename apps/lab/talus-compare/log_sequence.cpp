@@ -1,4 +1,4 @@
-#include "log_sequence.h"
+#include "options.h"
 
 #include "../../common/memory_limit.h"
 #include "../../common/log_name.h"
@@ -8,8 +8,6 @@
 #include <talus/io/geotiff.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/observation_points.h>
-#include <talus/mrpt/pose_from.h>
-#include <talus/mrpt/sensor_numbers.h>
 
 #include <algorithm>
 #include <cmath>

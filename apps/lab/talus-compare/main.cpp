@@ -7,6 +7,7 @@
 #include <iostream>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "../../common/child_process.h"
 #include "../../common/crash_context.h"
@@ -15,10 +16,8 @@
 #include "../../common/printable.h"
 #include "../../common/progress_bar.h"
 #include "../../common/run_app.h"
-#include "bars_report.h"
-#include "log_sequence.h"
-#include "options.h"
 #include "report.h"
+#include "options.h"
 
 namespace fs = std::filesystem;
 
@@ -27,6 +26,12 @@ namespace
 using namespace talus::baselines;
 
 constexpr const char* kSeal = "comparison.json";
+
+/** The texts among the results, and the pictures. */
+constexpr std::pair<const char*, std::string (*)(const Comparison&)> kTexts[]{
+    {"methods.csv", methods_csv}, {"fills.csv", fills_csv},       {"real_logs.csv", real_logs_csv},
+    {"labels.csv", labels_csv},   {"tables.md", tables_markdown}, {kSeal, comparison_json}};
+constexpr const char* kPictures[]{"maps.png", "fills.png", "calibration_of_heights.png"};
 
 constexpr const char* kLessToCompare = "Try a shorter log or way, or fewer --methods";
 
@@ -43,7 +48,7 @@ void require_no_crash(const std::string& path, const CommandOptions& o)
   {
     try
     {
-      // What it says is told when the log is read in earnest.
+      // Its messages are printed when the log is read in earnest.
       if (std::freopen("/dev/null", "w", stderr)) read_log(path, o.log);
     }
     catch (const std::exception&)
@@ -160,10 +165,8 @@ bool compare_input(const std::string& path, const CommandOptions& o, Comparison&
 void require_outputs_apart(const CommandOptions& o)
 {
   std::vector<std::string> outputs;
-  for (const char* name :
-       {"methods.csv", "fills.csv", "real_logs.csv", "labels.csv", "tables.md", kSeal, "maps.png",
-        "fills.png", "calibration_of_heights.png"})
-    outputs.push_back((fs::path(o.output) / name).string());
+  for (const auto& text : kTexts) outputs.push_back((fs::path(o.output) / text.first).string());
+  for (const char* name : kPictures) outputs.push_back((fs::path(o.output) / name).string());
   std::vector<std::string> inputs = o.inputs;
   for (const std::string& more : {o.world, o.truth, o.log.trajectory, o.config, o.expected})
     inputs.push_back(more);
@@ -174,17 +177,10 @@ void require_outputs_apart(const CommandOptions& o)
 void write_results(const Comparison& c, const talus::app::OutputFolder& folder)
 {
   const fs::path to(folder.staging());
-  const auto write = [&](const char* name, const std::string& text)
-  { talus::io::write_file((to / name).string(), text); };
-  write("methods.csv", methods_csv(c));
-  write("fills.csv", fills_csv(c));
-  write("real_logs.csv", real_logs_csv(c));
-  write("labels.csv", labels_csv(c));
-  write("tables.md", tables_markdown(c));
-  write(kSeal, comparison_json(c));
-  write_maps_picture((to / "maps.png").string(), c.evaluations);
-  write_fills_picture((to / "fills.png").string(), c.evaluations);
-  write_bars_picture((to / "calibration_of_heights.png").string(), c);
+  for (const auto& [name, text] : kTexts) talus::io::write_file((to / name).string(), text(c));
+  write_maps_picture((to / kPictures[0]).string(), c.evaluations);
+  write_fills_picture((to / kPictures[1]).string(), c.evaluations);
+  write_bars_picture((to / kPictures[2]).string(), c);
 }
 
 /** How the child ends. */
@@ -250,7 +246,7 @@ Ending compare(
 /** The exit code. */
 int run(CommandOptions& o, const std::string& command)
 {
-  if (o.quiet) std::clog.setstate(std::ios::failbit);  // tells which backend was taken
+  if (o.quiet) std::clog.setstate(std::ios::failbit);  // names the backend
   load_parameters_into(o);
   require_outputs_apart(o);
   talus::app::OutputFolder folder(o.output);  // made before hours of work

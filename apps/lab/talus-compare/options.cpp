@@ -10,28 +10,23 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <set>
 
 namespace talus::baselines
 {
 namespace
 {
-std::string comma_list(const std::vector<int>& numbers)
-{
-  std::string text;
-  for (const int n : numbers) text += (text.empty() ? "" : ",") + std::to_string(n);
-  return text;
-}
-
 std::string footer()
 {
   std::string text = "Methods:\n";
-  for (const MethodInfo& m : method_list())
-    text += "  " + std::string(m.name) + std::string(12 - std::string(m.name).size(), ' ') +
-            m.description + "\n";
+  const auto add = [&text](std::string name, std::size_t width, const char* description)
+  {
+    name.resize(width, ' ');
+    text += "  " + name + description + "\n";
+  };
+  for (const MethodInfo& m : method_list()) add(m.name, 12, m.description);
   text += "Fills, compared with talus's on the same cells:\n";
-  for (const FillMethod& m : fill_methods())
-    text += "  " + std::string(m.name) + std::string(15 - std::string(m.name).size(), ' ') +
-            m.description + "\n";
+  for (const FillMethod& m : fill_methods()) add(m.name, 15, m.description);
   return text +
          "\nExamples:\n"
          "  talus-compare datasets/worlds/table.yaml --output out\n"
@@ -56,37 +51,26 @@ std::string footer()
 
 void add_inputs(CLI::App& app, CommandOptions& o)
 {
+  const auto text = [&app](const char* name, std::string& value, const char* help, const char* type)
+  { return app::add_checked(app, name, value, help, type, app::not_empty()); };
   app.add_option("INPUT", o.inputs, "Worlds (.yaml), which are simulated, or rawlogs")
       ->required()
       ->check(app::not_empty());
-  app.add_option("--output", o.output, "Folder of the files; made if it does not exist")
-      ->required()
-      ->check(app::not_empty())
-      ->type_name("DIR");
-  app.add_option("--world", o.world, "World that the rawlog was made from: truth of every frame")
-      ->check(app::not_empty())
-      ->type_name("FILE");
-  app.add_option(
-         "--truth", o.truth,
-         "truth.tif of the rawlog, as talus-sim writes it; or labels: bands ground and label")
-      ->check(app::not_empty())
-      ->type_name("FILE");
-  app.add_option(
-         "--labels", o.labels,
-         "Labels of people for each point of the rawlog, SemanticKITTI's 000000.label ...: scores "
-         "those of talus as Patchwork++ does")
-      ->check(app::not_empty())
-      ->type_name("DIR");
-  app.add_option(
-         "--trajectory", o.log.trajectory, "Poses of the rawlog; default: LOG.tum beside it")
-      ->check(app::not_empty())
-      ->type_name("FILE");
-  app.add_option("--sensor", o.log.sensor, "Only scans with this label")
-      ->check(app::not_empty())
-      ->type_name("LABEL");
-  app::add_optional(app, "--frames", o.log.frames, "At most so many frames of each input")
-      ->check(CLI::Range(1, 100000))
-      ->type_name("N");
+  text("--output", o.output, "Folder of the files; made if it does not exist", "DIR")->required();
+  text("--world", o.world, "World that the rawlog was made from: truth of every frame", "FILE");
+  text(
+      "--truth", o.truth,
+      "truth.tif of the rawlog, as talus-sim writes it; or labels: bands ground and label", "FILE");
+  text(
+      "--labels", o.labels,
+      "Labels of people for each point of the rawlog, SemanticKITTI's 000000.label ...: scores "
+      "those of talus as Patchwork++ does",
+      "DIR");
+  text("--trajectory", o.log.trajectory, "Poses of the rawlog; default: LOG.tum beside it", "FILE");
+  text("--sensor", o.log.sensor, "Only scans with this label", "LABEL");
+  app::add_checked(
+      app, "--frames", o.log.frames, "At most so many frames of each input", "N",
+      CLI::Range(1, 100000));
 }
 
 void add_methods(CLI::App& app, CommandOptions& o)
@@ -94,9 +78,8 @@ void add_methods(CLI::App& app, CommandOptions& o)
   app.add_option("--methods", o.evaluation.methods, "Which to run, see below; default: all")
       ->delimiter(',')
       ->type_name("NAME,...");
-  app.add_option("--config", o.config, "Parameters, as talus-map takes them")
-      ->check(app::not_empty())
-      ->type_name("FILE");
+  app::add_checked(
+      app, "--config", o.config, "Parameters, as talus-map takes them", "FILE", app::not_empty());
   app.add_option("--set", o.settings, "One parameter; can be given several times")
       ->type_name("NAME=VALUE")
       ->take_all();
@@ -111,21 +94,13 @@ void add_methods(CLI::App& app, CommandOptions& o)
          "Of talus: auto, cpu or cuda; default cpu")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->type_name("NAME");
-  app.add_option(
-         "--evaluate", o.evaluation.evaluated_frames,
-         "How many frames are compared with "
-         "the truth")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str()
-      ->type_name("N");
-  app.add_option("--hold-out", o.holdout.every, "Without truth: keep every Nth beam from the map")
-      ->check(CLI::Range(2, 1000))
-      ->capture_default_str()
-      ->type_name("N");
-  app.add_option("--beams", o.holdout.groups, "How many bands of elevation count as beams")
-      ->check(CLI::Range(2, 10000))
-      ->capture_default_str()
-      ->type_name("N");
+  const auto count = [&app](const char* name, int& value, const char* help, int low, int high)
+  { app::add_checked(app, name, value, help, "N", CLI::Range(low, high))->capture_default_str(); };
+  count(
+      "--evaluate", o.evaluation.evaluated_frames, "How many frames are compared with the truth", 1,
+      10000);
+  count("--hold-out", o.holdout.every, "Without truth: keep every Nth beam from the map", 2, 1000);
+  count("--beams", o.holdout.groups, "How many bands of elevation count as beams", 2, 10000);
 }
 
 constexpr const char* kOfWorlds[] = {"--scanner", "--seed", "--noise", "--pose-noise", "--z-drift"};
@@ -138,17 +113,15 @@ void add_expectations(CLI::App& app, CommandOptions& o)
   app.add_flag(
       "--check", o.check,
       "Exit code 1 when a budget fails that is not expected to, or is clearly worse");
-  app.add_option(
-         "--expected", o.expected,
-         std::string("Failures that are expected; default: ") + kExpectedFailures +
-             " beside the worlds or one folder up")
-      ->check(app::not_empty())
-      ->type_name("FILE");
-  app.add_option(
-         "--accept", o.accept,
-         "Write what fails into this file of expected failures; rows of other worlds stay")
-      ->check(app::not_empty())
-      ->type_name("FILE");
+  app::add_checked(
+      app, "--expected", o.expected,
+      std::string("Failures that are expected; default: ") + kExpectedFailures +
+          " beside the worlds or one folder up",
+      "FILE", app::not_empty());
+  app::add_checked(
+      app, "--accept", o.accept,
+      "Write what fails into this file of expected failures; rows of other worlds stay", "FILE",
+      app::not_empty());
 }
 
 void add_drive(CLI::App& app, sim::DriveOptions& d)
@@ -156,18 +129,15 @@ void add_drive(CLI::App& app, sim::DriveOptions& d)
   app::add_optional(
       app, "--scanner", d.scanner, "Of simulated worlds: scanner instead of the world's")
       ->type_name("NAME");
-  app::add_optional(app, "--seed", d.seed, "Seed of the noise")
-      ->check(app::whole_of_64_bits())
-      ->type_name("N");
-  app::add_optional(app, "--noise", d.noise_m, "Standard deviation of a range [m]")
-      ->check(app::between(0.0, 10.0))
-      ->type_name("M");
-  app.add_option("--pose-noise", d.pose_noise_m, "Noise of the poses in x, y, z [m]")
-      ->check(app::between(0.0, 10.0))
-      ->type_name("M");
-  app.add_option("--z-drift", d.z_drift, "Climb of the poses, metres a metre driven")
-      ->check(app::between(-1.0, 1.0))
-      ->type_name("M/M");
+  app::add_checked(app, "--seed", d.seed, "Seed of the noise", "N", app::whole_of_64_bits());
+  app::add_checked(
+      app, "--noise", d.noise_m, "Standard deviation of a range [m]", "M", app::between(0, 10));
+  app::add_checked(
+      app, "--pose-noise", d.pose_noise_m, "Noise of the poses in x, y, z [m]", "M",
+      app::between(0, 10));
+  app::add_checked(
+      app, "--z-drift", d.z_drift, "Climb of the poses, metres a metre driven", "M/M",
+      app::between(-1, 1));
 }
 
 /** An option that would do nothing with these inputs, and why; empty: there is none. */
@@ -225,14 +195,6 @@ std::string why_rules_stay(const std::vector<int>& rules)
   return {};
 }
 
-/** Leaves the rules out of all maps of this process and of its children. */
-void leave_out(std::vector<int>& rules)
-{
-  std::sort(rules.begin(), rules.end());
-  rules.erase(std::unique(rules.begin(), rules.end()), rules.end());
-  ::setenv(kWithoutRulesVariable, comma_list(rules).c_str(), 1);
-}
-
 /** What all options together mean. */
 void finish(const CLI::App& app, CommandOptions& o)
 {
@@ -243,7 +205,11 @@ void finish(const CLI::App& app, CommandOptions& o)
   if (o.without_rules.empty()) return;
   if (const std::string why = why_rules_stay(o.without_rules); !why.empty())
     throw CLI::ValidationError(why);
-  leave_out(o.without_rules);
+  const std::set<int> rules(o.without_rules.begin(), o.without_rules.end());
+  o.without_rules.assign(rules.begin(), rules.end());
+  std::string list;
+  for (const int rule : rules) list += (list.empty() ? "" : ",") + std::to_string(rule);
+  ::setenv(kWithoutRulesVariable, list.c_str(), 1);  // of this process and of its children
 }
 }  // namespace
 

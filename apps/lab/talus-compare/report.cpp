@@ -5,8 +5,6 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "bars_report.h"
-
 namespace talus::baselines
 {
 namespace
@@ -78,7 +76,7 @@ Table fill_table(const std::vector<FillScore>& fills)
   return table_of(columns, fills);
 }
 
-std::vector<std::pair<std::string, double>> real_figures(const RealLogScore& s)
+Figures real_figures(const RealLogScore& s)
 {
   return {
       {"precision", s.precision.value()},
@@ -197,40 +195,38 @@ std::string csv_text(const std::string& text)
   return quoted + "\"";
 }
 
-std::string csv_row(
-    const std::string& world, const std::string& who,
-    const std::vector<std::pair<std::string, double>>& values)
+std::string csv_row(const std::string& world, const std::string& who, const Figures& values)
 {
   std::string out = csv_text(world) + "," + who;
   for (const auto& v : values) out += "," + (std::isnan(v.second) ? "" : number(v.second, 6));
   return out + "\n";
 }
 
-std::string csv_heading(
-    const std::string& who, const std::vector<std::pair<std::string, double>>& values)
+std::string csv_heading(const std::string& who, const Figures& values)
 {
   std::string out = "world," + who;
   for (const auto& v : values) out += "," + v.first;
   return out + "\n";
 }
 
-nlohmann::json as_json(const std::vector<std::pair<std::string, double>>& values)
+/** NaN becomes null. */
+nlohmann::json as_json(const Figures& values)
 {
   nlohmann::json j;
-  for (const auto& [name, value] : values)
-    j[name] = std::isnan(value) ? nlohmann::json() : nlohmann::json(value);
+  for (const auto& [name, value] : values) j[name] = value;
   return j;
 }
 
 nlohmann::json as_json(const std::string& log, const LabelScore& s)
 {
-  nlohmann::json j = as_json({{"precision", s.precision}, {"recall", s.recall}, {"f1", s.f1}});
-  j["name"] = log;
-  j["alone"] = s.alone;
-  j["within"] = reach_text(s);
-  j["scans"] = s.scans;
-  j["points"] = s.points;
-  return j;
+  return {{"precision", s.precision},
+          {"recall", s.recall},
+          {"f1", s.f1},
+          {"name", log},
+          {"alone", s.alone},
+          {"within", reach_text(s)},
+          {"scans", s.scans},
+          {"points", s.points}};
 }
 
 nlohmann::json as_json(const BudgetResult& r, ExpectedFailures::Verdict expected)
@@ -239,7 +235,7 @@ nlohmann::json as_json(const BudgetResult& r, ExpectedFailures::Verdict expected
   const char* expectations[] = {"holds", "as expected", "new", "worse", "no longer fails"};
   return {
       {"name", r.name},
-      {"value", std::isnan(r.value) ? nlohmann::json() : nlohmann::json(r.value)},
+      {"value", r.value},
       {"limit", r.limit},
       {"at_most", r.at_most},
       {"verdict", verdicts[static_cast<int>(r.verdict)]},
@@ -328,7 +324,7 @@ std::string comparison_json(const Comparison& c)
   {
     nlohmann::json j{{"name", h.name}, {"sensor", h.sensor}, {"frames", h.frames}};
     if (!h.bars.empty()) j["heights"] = bars_json(h.bars);
-    j.update(as_json({{"not_ground", h.not_ground.value()}}));
+    j["not_ground"] = h.not_ground.value();
     for (const FillScore& f : h.fills) j["fills"][f.fill] = as_json(figures(f));
     holdouts.push_back(j);
   }

@@ -1,6 +1,6 @@
 #include "results.h"
 
-#include <talus/sim/drop_reach.h>
+#include <talus/sim/scanner.h>
 #include <talus/sim/world.h>
 
 #include <cmath>

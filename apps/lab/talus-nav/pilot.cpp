@@ -11,7 +11,7 @@
 #include <mrpt/nav/reactive/CReactiveNavigationSystem.h>
 #include <mrpt/nav/reactive/CReactiveNavigationSystem3D.h>
 #include <talus/io/mrpt_error.h>
-#include <talus/mrpt/planner_ini.h>
+#include <talus/mrpt/parameters_ini.h>
 
 #include <algorithm>
 #include <array>

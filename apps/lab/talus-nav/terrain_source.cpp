@@ -2,7 +2,7 @@
 #include "map_source.h"
 
 #include <mrpt/math/TPose2D.h>
-#include <talus/mrpt/pose_from.h>
+#include <talus/mrpt/observation_points.h>
 
 #include <vector>
 

@@ -53,49 +53,40 @@ void add_world(CLI::App& app, Options& o)
       ->required();
   add_optional(app, "--scanner", o.drive.scanner, "Scanner instead of the world's, see below")
       ->type_name("NAME");
-  add_optional(app, "--seed", o.drive.seed, "Seed of the noise instead of the world's")
-      ->check(whole_of_64_bits())
-      ->type_name("N");
-  add_optional(app, "--noise", o.drive.noise_m, "Standard deviation of a range [m]")
-      ->check(between(0.0, 10.0))
-      ->type_name("M");
-  add_optional(app, "--noise-per-m", o.drive.noise_per_m, "Its growth with the range [m/m]")
-      ->check(between(0.0, 1.0))
-      ->type_name("M/M");
-  add_optional(app, "--frames", o.drive.frames, "Write at most so many frames")
-      ->check(CLI::Range(1, 100000))
-      ->type_name("N");
-  app.add_option("--every", o.drive.every, "Of each sensor's sweeps, only the first of N")
-      ->check(CLI::Range(1, 100000))
-      ->type_name("N");
-  app.add_option(
-         "--cut-frames", o.drive.cut_frames,
-         "Write a sweep as N frames, each with its own stamp and pose")
-      ->check(CLI::Range(1, 100))
-      ->type_name("N");
+  add_checked(
+      app, "--seed", o.drive.seed, "Seed of the noise instead of the world's", "N",
+      whole_of_64_bits());
+  add_checked(
+      app, "--noise", o.drive.noise_m, "Standard deviation of a range [m]", "M", between(0, 10));
+  add_checked(
+      app, "--noise-per-m", o.drive.noise_per_m, "Its growth with the range [m/m]", "M/M",
+      between(0, 1));
+  add_checked(
+      app, "--frames", o.drive.frames, "Write at most so many frames", "N", CLI::Range(1, 100000));
+  add_checked(
+      app, "--every", o.drive.every, "Of each sensor's sweeps, only the first of N", "N",
+      CLI::Range(1, 100000));
+  add_checked(
+      app, "--cut-frames", o.drive.cut_frames,
+      "Write a sweep as N frames, each with its own stamp and pose", "N", CLI::Range(1, 100));
 }
 
 void add_errors(CLI::App& app, Options& o)
 {
-  app.add_option(
-         "--pose-noise", o.drive.pose_noise_m,
-         "Also write WORLD_noisy.tum: standard deviation in x, y, z [m]")
-      ->check(between(0.0, 10.0))
-      ->type_name("M");
-  app.add_option("--angle-noise", o.drive.angle_noise_rad, "The same in roll, pitch, yaw [rad]")
-      ->check(between(0.0, 1.0))
-      ->type_name("RAD");
-  app.add_option(
-         "--z-drift", o.drive.z_drift, "The same: climb of the noisy pose, metres a metre driven")
-      ->check(between(-1.0, 1.0))
-      ->type_name("M/M");
+  add_checked(
+      app, "--pose-noise", o.drive.pose_noise_m,
+      "Also write WORLD_noisy.tum: standard deviation in x, y, z [m]", "M", between(0, 10));
+  add_checked(
+      app, "--angle-noise", o.drive.angle_noise_rad, "The same in roll, pitch, yaw [rad]", "RAD",
+      between(0, 1));
+  add_checked(
+      app, "--z-drift", o.drive.z_drift, "The same: climb of the noisy pose, metres a metre driven",
+      "M/M", between(-1, 1));
   add_mounting(
       app, "--mounting-error", o.claims.mounting_error, "The log states a mounting that is off");
-  app.add_option(
-         "--clock-error", o.claims.clock_error_s,
-         "The stamps of the log are late by this against the trajectory [s]")
-      ->check(between(-10.0, 10.0))
-      ->type_name("S");
+  add_checked(
+      app, "--clock-error", o.claims.clock_error_s,
+      "The stamps of the log are late by this against the trajectory [s]", "S", between(-10, 10));
 }
 
 void add_outputs(CLI::App& app, Options& o)
@@ -103,10 +94,10 @@ void add_outputs(CLI::App& app, Options& o)
   app.add_option("--output", o.output, "Folder of the files; made if it does not exist")
       ->required()
       ->type_name("DIR");
-  app.add_option("--resolution", o.resolution_m, "Side of a cell of truth.tif [m]")
-      ->check(between(0.001, 100.0))
-      ->capture_default_str()
-      ->type_name("M");
+  add_checked(
+      app, "--resolution", o.resolution_m, "Side of a cell of truth.tif [m]", "M",
+      between(0.001, 100))
+      ->capture_default_str();
   app.add_flag("--no-movers", o.without_movers, "Leave what moves out of truth.tif");
   app.add_flag("--quiet", o.quiet, "Print errors only");
 }

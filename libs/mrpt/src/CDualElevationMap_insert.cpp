@@ -1,7 +1,6 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <talus/hints/hint_finder.h>
 #include <talus/mrpt/CDualElevationMap.h>
-#include <talus/mrpt/pose_from.h>
 
 #include <algorithm>
 #include <cmath>
@@ -40,8 +39,7 @@ Pose pose_from(const mrpt::poses::CPose3D& pose)
   const auto& R = pose.getRotationMatrix();
   Pose out;
   for (int row = 0; row < 3; row++)
-    for (int column = 0; column < 3; column++)
-      out.m[static_cast<std::size_t>(4 * row + column)] = R(row, column);
+    for (int column = 0; column < 3; column++) out.m[4 * row + column] = R(row, column);
   out.m[3] = pose.x();
   out.m[7] = pose.y();
   out.m[11] = pose.z();
@@ -110,11 +108,10 @@ std::vector<PointLabel> CDualElevationMap::labelPoints(
   return label_points(mapper(), frame_from(points, robotPose));
 }
 
-/** Looks for hints when it has seen 32, 64, 128 ... frames; ends when there is any, or after 1024.
- */
+/** Looks for hints after 32, 64, 128 ... frames, until there is any, or up to 1024 frames. */
 void CDualElevationMap::watch(const Frame& frame, const std::string& sensor)
 {
-  if (m_hintsTold) return;
+  if (m_hintsDone) return;
   if (!m_hints) m_hints = std::make_unique<hints::HintFinder>(mapper().parameters());
   m_hints->add(frame, sensor, m_lastReport);
   const std::size_t frames = m_hints->frames();
@@ -127,8 +124,8 @@ void CDualElevationMap::watch(const Frame& frame, const std::string& sensor)
   const auto found = m_hints->find(known_share);
   for (const auto& hint : found)
     detail::warn_once("hint: " + hint.text, "hint " + std::to_string(static_cast<int>(hint.kind)));
-  m_hintsTold = !found.empty() || frames >= kLastLook;
-  if (m_hintsTold) m_hints.reset();
+  m_hintsDone = !found.empty() || frames >= kLastLook;
+  if (m_hintsDone) m_hints.reset();
 }
 
 void CDualElevationMap::applyOptions()
@@ -143,6 +140,21 @@ void CDualElevationMap::applyOptions()
   if (m_whole && !same_cells) m_whole->site(*m_mapper);  // keeps what is in the window
   *m_mapper = std::move(changed);
   m_hints.reset();  // what it has seen may be right by now
+}
+
+mrpt::maps::CPointsMap::Ptr labelled_cloud(
+    const SensorPoints& points, const std::vector<PointLabel>& labels)
+{
+  const std::size_t size = points.x_m.size();
+  if (labels.size() != size)
+    throw std::invalid_argument("labelled_cloud: there must be a label for each point");
+  const auto cloud = detail::make_cloud_with_intensity(size);
+  for (std::size_t i = 0; i < size; i++)
+  {
+    cloud->setPointFast(i, points.x_m[i], points.y_m[i], points.z_m[i]);
+    detail::set_intensity(*cloud, i, static_cast<float>(labels[i]));
+  }
+  return cloud;
 }
 
 }  // namespace talus

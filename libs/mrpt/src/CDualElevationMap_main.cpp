@@ -6,7 +6,6 @@
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/CObservationTraversability.h>
 #include <talus/mrpt/parameters_ini.h>
-#include <talus/mrpt/register.h>
 #include <talus/number_text.h>
 
 #include <algorithm>
@@ -135,7 +134,7 @@ void talus::CDualElevationMap::TMapDefinition::dumpToTextStream_map_specific(
 
 namespace
 {
-/** An absent device is told now, not at the first scan. */
+/** An absent device is reported now, not at the first scan. */
 void make_mapper_now(talus::CDualElevationMap& map, const std::string& place)
 {
   try
@@ -200,29 +199,14 @@ CDualElevationMap::CDualElevationMap(
   static_cast<Parameters&>(insertionOptions) = parameters;
 }
 
-CDualElevationMap::CDualElevationMap(const CDualElevationMap& o)
-    : CMetricMap(o),
-      m_backend(o.m_backend),
-      m_threads(o.m_threads),
-      m_device(o.m_device),
-      m_keep_whole(o.m_keep_whole)
-{
-  *this = o;
-}
+CDualElevationMap::CDualElevationMap(const CDualElevationMap& o) : CMetricMap(o) { *this = o; }
 
 CDualElevationMap& CDualElevationMap::operator=(const CDualElevationMap& o)
 {
   if (this == &o) return *this;
   CMetricMap::operator=(o);
-  insertionOptions = o.insertionOptions;
-  likelihoodOptions = o.likelihoodOptions;
-  renderOptions = o.renderOptions;
-  m_backend = o.m_backend;
-  m_threads = o.m_threads;
+  takeSettings(o);
   m_device = o.m_device;
-  m_keep_whole = o.m_keep_whole;
-  m_T_map_base = o.m_T_map_base;
-  m_sensors = o.m_sensors;
   m_lastReport = o.m_lastReport;
   m_hints.reset();
   forgetDerived();
@@ -232,6 +216,20 @@ CDualElevationMap& CDualElevationMap::operator=(const CDualElevationMap& o)
   m_mapper = std::make_unique<ElevationMapper>(
       o.m_mapper->parameters(), o.m_mapper->save(), m_backend, m_threads, m_device);
   return *this;
+}
+
+/** What a stream has, too, besides what was mapped. */
+void CDualElevationMap::takeSettings(const CDualElevationMap& o)
+{
+  genericMapParams = o.genericMapParams;
+  insertionOptions = o.insertionOptions;
+  likelihoodOptions = o.likelihoodOptions;
+  renderOptions = o.renderOptions;
+  m_backend = o.m_backend;
+  m_threads = o.m_threads;
+  m_keep_whole = o.m_keep_whole;
+  m_T_map_base = o.m_T_map_base;
+  m_sensors = o.m_sensors;
 }
 
 CDualElevationMap::~CDualElevationMap() = default;

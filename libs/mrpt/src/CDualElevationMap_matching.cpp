@@ -4,7 +4,7 @@
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <talus/mrpt/CDualElevationMap.h>
-#include <talus/mrpt/pose_from.h>
+#include <talus/mrpt/observation_points.h>
 #include <talus/point_filter.h>
 
 #include <algorithm>
@@ -103,13 +103,13 @@ const mrpt::maps::CSimplePointsMap& CDualElevationMap::standingPoints() const
   m_standingCache = mrpt::maps::CSimplePointsMap::Create();
   if (isEmpty()) return *m_standingCache;
   const SurfaceView map(view());
-  const auto least_m = static_cast<float>(map.window.resolution_m);
+  const auto min_m = static_cast<float>(map.window.resolution_m);
   for (int iy = 0; iy < map.window.cells; iy++)
     for (int ix = 0; ix < map.window.cells; ix++)
     {
       const std::size_t cell = map.index(ix, iy);
       const float top = map.elevation[cell];
-      if (!(top - map.ground[cell] > least_m)) continue;
+      if (!(top - map.ground[cell] > min_m)) continue;
       m_standingCache->insertPoint(
           static_cast<float>(map.x_m(ix)), static_cast<float>(map.y_m(iy)), top);
     }

@@ -23,9 +23,9 @@ constexpr const char* kSigmas = "a number above 0 and at most 10 m";
 constexpr const char* kRatios = "a number between 0 and 1, both excluded";
 bool is_sigma(double v) { return v > 0 && v <= 10; }  // not NaN
 bool is_ratio(double v) { return v > 0 && v < 1; }
-std::string counts(int least)
+std::string counts(int min)
 {
-  return "a whole number from " + std::to_string(least) + " to " + std::to_string(kMax);
+  return "a whole number from " + std::to_string(min) + " to " + std::to_string(kMax);
 }
 
 constexpr std::array<const char*, 3> kColormaps{"cmGRAYSCALE", "cmJET", "cmHOT"};  // by value
@@ -35,8 +35,7 @@ constexpr const char* kColormapChoices = "cmGRAYSCALE, cmJET or cmHOT";
 std::string colormap_text(mrpt::img::TColormap colormap)
 {
   const int i = colormap;
-  return i >= 0 && i < static_cast<int>(kColormaps.size()) ? kColormaps[static_cast<std::size_t>(i)]
-                                                           : std::to_string(i);
+  return i >= 0 && i < static_cast<int>(kColormaps.size()) ? kColormaps[i] : std::to_string(i);
 }
 
 mrpt::img::TColormap colormap_from(

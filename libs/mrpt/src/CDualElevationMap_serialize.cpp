@@ -213,15 +213,7 @@ void CDualElevationMap::readVersion0(mrpt::serialization::CArchive& archive)
   {
     in.fail(e.what());
   }
-  genericMapParams = read.genericMapParams;
-  m_backend = read.m_backend;
-  m_threads = read.m_threads;
-  insertionOptions = read.insertionOptions;
-  likelihoodOptions = read.likelihoodOptions;
-  renderOptions = read.renderOptions;
-  m_T_map_base = read.m_T_map_base;
-  m_sensors = read.m_sensors;
-  m_keep_whole = read.m_keep_whole;
+  takeSettings(read);
   m_mapper = std::move(read.m_mapper);
   m_whole = std::move(read.m_whole);
   m_lastReport = {};

@@ -55,7 +55,7 @@ class NearestBlocked
       ahead_m_ = std::min(ahead_m_, x);
   }
 
-  void tell(Summary& s) const
+  void write_to(Summary& s) const
   {
     s.nearest_rad = nearest_rad_;
     if (std::isfinite(nearest2_)) s.nearest_m = std::sqrt(nearest2_);
@@ -90,7 +90,7 @@ Summary CObservationTraversability::summary() const
           if (v[i] == 0) nearest.take(cell);
         }
       });
-  nearest.tell(s);
+  nearest.write_to(s);
   forEachValue(
       Layer::GroundElevation,
       [&](const float* v, std::size_t count)

@@ -85,12 +85,12 @@ double ini_number(
 
 int ini_whole_number(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section, const std::string& key,
-    int fallback, int least, int most)
+    int fallback, int min, int max)
 {
   if (!cfg.keyExists(section, key)) return fallback;
   const double value = ini_number(cfg, section, key, fallback);
-  if (!(value >= least && value <= most && value == std::floor(value)))
-    refuse_value(cfg, section, key, mrpt::format("a whole number from %d to %d", least, most));
+  if (!(value >= min && value <= max && value == std::floor(value)))
+    refuse_value(cfg, section, key, mrpt::format("a whole number from %d to %d", min, max));
   return static_cast<int>(value);
 }
 

@@ -40,7 +40,7 @@ double ini_number(
 /** The same of a whole number in a range. Throws as refuse_value() for any other text. */
 int ini_whole_number(
     const mrpt::config::CConfigFileBase& cfg, const std::string& section, const std::string& key,
-    int fallback, int least, int most);
+    int fallback, int min, int max);
 
 /** The same of true and false. Throws as refuse_value() for any other text. */
 bool ini_flag(

@@ -51,12 +51,12 @@ std::uint16_t steps_of(Layer layer, float value, const PackedLayer& p)
   if (!std::isfinite(value)) return kNan;
   const double q = std::round((to_stored(layer, value) - p.offset) / p.step);
   // A score or a variance above 0 must not become 0.
-  const double least = !is_height(layer) && value > 0 ? 1 : 0;
-  return static_cast<std::uint16_t>(std::clamp(q, least, kMaxSteps));
+  const double min_steps = !is_height(layer) && value > 0 ? 1 : 0;
+  return static_cast<std::uint16_t>(std::clamp(q, min_steps, kMaxSteps));
 }
 
 /** Steps of the greatest value that a cell can have. */
-double most_steps(Layer l, const PackedLayer& p)
+double max_steps_of(Layer l, const PackedLayer& p)
 {
   if (is_state(l)) return static_cast<double>(CellState::Presumed);
   return is_height(l) || is_variance(l) ? kMaxSteps : std::round(1 / p.step);
@@ -156,7 +156,7 @@ void unpack_layer(Layer layer, const PackedLayer& p, const TakeValues& take)
     high.read(high_bytes.data(), n);
     left -= n;
   }
-  const double most = most_steps(layer, p);
+  const double max_steps = max_steps_of(layer, p);
   std::uint16_t q = 0;
   for (std::size_t left = p.count; left > 0;)
   {
@@ -166,7 +166,7 @@ void unpack_layer(Layer layer, const PackedLayer& p, const TakeValues& take)
     for (std::size_t i = 0; i < n; i++)
     {
       q = static_cast<std::uint16_t>(q + low_bytes[i] + 256 * high_bytes[i]);
-      values[i] = q == kNan || q > most
+      values[i] = q == kNan || q > max_steps
                       ? std::numeric_limits<float>::quiet_NaN()
                       : static_cast<float>(from_stored(layer, p.offset + q * p.step));
     }

@@ -9,6 +9,7 @@
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <talus/io/mrpt_error.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "observation_points_detail.h"
@@ -109,6 +110,19 @@ bool points_from_observation(const CObservation& obs, SensorPoints& out)
   return read_as<CObservationPointCloud>(obs, out) || read_as<CObservationVelodyneScan>(obs, out) ||
          read_as<CObservationRotatingScan>(obs, out) ||
          read_as<CObservation3DRangeScan>(obs, out) || read_as<CObservation2DRangeScan>(obs, out);
+}
+
+std::uint32_t SensorNumbers::number_of(const std::string& label)
+{
+  const auto known = std::find(labels_.begin(), labels_.end(), label);
+  const auto number = static_cast<std::uint32_t>(known - labels_.begin());
+  if (known != labels_.end()) return number;
+  if (labels_.size() == kMaxSensors)
+    throw std::invalid_argument(
+        "'" + label + "' is a sensor label more than the " + std::to_string(kMaxSensors) +
+        " that one map tells apart: a sensor keeps its label from scan to scan");
+  labels_.push_back(label);
+  return number;
 }
 
 }  // namespace talus

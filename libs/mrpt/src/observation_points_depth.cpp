@@ -10,8 +10,7 @@ namespace
 {
 using RangeImage = mrpt::math::CMatrix_u16;
 
-/** The points of the pixels with a return; `skip`: an image whose equal returns were taken already.
- */
+/** The points of the pixels with a return; `skip`: an image whose equal returns were taken. */
 void unproject(
     const CObservation3DRangeScan& obs, const CObservation3DRangeScan::unproject_LUT_t& rays,
     const RangeImage& ranges, const RangeImage* skip, SensorPoints& out)

@@ -41,7 +41,7 @@ inline std::vector<float>* channel_of(SensorPoints& out, const char* name)
 {
   const auto found = std::find(out.channel_names.begin(), out.channel_names.end(), name);
   if (found == out.channel_names.end()) return nullptr;
-  return &out.channels[static_cast<std::size_t>(found - out.channel_names.begin())];
+  return &out.channels[found - out.channel_names.begin()];
 }
 
 /** When the lasers of a Velodyne fire, from the user manuals. */

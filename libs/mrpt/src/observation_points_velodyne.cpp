@@ -118,8 +118,7 @@ Decoder make_decoder(const Scan& scan, std::vector<float>* intensity)
           intensity};
 }
 
-/** The last bytes of a packet of an HDL-64 are no return mode, but its azimuths show dual returns.
- */
+/** An HDL-64 has no return mode in its packets, but their azimuths show dual returns. */
 bool is_dual(const Packet& packet, int lasers)
 {
   if (lasers == 64) return packet.azimuth(0) == packet.azimuth(2);
@@ -155,9 +154,8 @@ std::array<Delay, 64> delays_of(const Decoder& decoder, double turn_rate_rad_us)
   for (int i = 0; i < returns; ++i)
   {
     const int laser = i % decoder.lasers, cycle = i / decoder.lasers;  // a VLP-16 fires twice
-    const auto& corrections =
-        decoder.calibration.laser_corrections[static_cast<std::size_t>(laser)];
-    auto& d = delays[static_cast<std::size_t>(i)];
+    const auto& corrections = decoder.calibration.laser_corrections[laser];
+    auto& d = delays[i];
     d.us = cycle * decoder.firing.cycle_us + decoder.firing.of(laser);
     const double turn = turn_rate_rad_us * d.us -
                         corrections.azimuthCorrection * decoder.azimuth_correction_unit_rad;
@@ -211,8 +209,7 @@ void add_return(
   add_point(out, xy * c + side * s, -xy * s + side * c, z);
 }
 
-/** All returns of a block that begins `block_us` after the scan. False: not a block of this sensor.
- */
+/** All returns of a block that begins `block_us` after the scan. False: of another sensor. */
 bool read_block(
     const Decoder& decoder, const Packet& packet, int block, const Slots& slots,
     const std::array<Delay, 64>& delays, double block_us, SensorPoints& out)
@@ -229,7 +226,7 @@ bool read_block(
     const auto& laser = decoder.calibration.laser_corrections[number];
     const double range_m = units * decoder.range_unit_m + laser.distanceCorrection;
     if (range_m < decoder.scan.minRange || range_m > decoder.scan.maxRange) continue;
-    const auto& d = delays[static_cast<std::size_t>(first + k)];
+    const auto& d = delays[first + k];
     add_return(range_m, s * d.cos + c * d.sin, c * d.cos - s * d.sin, laser, out);
     out.time_s.push_back(static_cast<float>((block_us + d.us) * 1e-6));
     if (decoder.intensity)

@@ -2,11 +2,14 @@
 #include <mrpt/system/string_utils.h>
 #include <talus/mrpt/parameters_ini.h>
 #include <talus/number_text.h>
+#include <talus/mrpt/version_compat.h>
 
 #include <algorithm>
 #include <set>
 #include <sstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "ini_sections.h"
 
@@ -50,8 +53,7 @@ std::string joined(const std::vector<std::string>& names)
   return text;
 }
 
-/** Sections that start as those of this map but that nothing reads, and a map without any section.
- */
+/** Sections that begin as those of this map but that nothing reads; a map without sections. */
 void warn_sections(
     const mrpt::config::CConfigFileBase& cfg, const std::string& prefix,
     std::vector<std::string>& warnings)
@@ -73,9 +75,9 @@ void warn_sections(
         "_insertOpts], ...: this map has the defaults");
 }
 
-/** Adds `place` to what an invalid value says. */
+/** Adds `source` to what an invalid value says. */
 template <typename Function>
-void with_place(const std::string& place, Function&& f)
+void with_source(const std::string& source, Function&& f)
 {
   try
   {
@@ -83,7 +85,7 @@ void with_place(const std::string& place, Function&& f)
   }
   catch (const std::invalid_argument& e)
   {
-    throw std::runtime_error(e.what() + place);
+    throw std::runtime_error(e.what() + source);
   }
 }
 
@@ -116,7 +118,7 @@ void load_parameter_section(
 {
   require_sound_ini(cfg, {section});
   std::set<std::string> seen;
-  const std::string place = detail::in_section(cfg, section);
+  const std::string source = detail::in_section(cfg, section);
   for (const auto& key : detail::keys_of(cfg, section))
   {
     const std::string name = parameter_of_key(key);
@@ -132,8 +134,8 @@ void load_parameter_section(
     }
     if (!seen.insert(name).second)
       throw std::runtime_error(
-          name + " is given twice, with and without its unit; leave one of them" + place);
-    with_place(place, [&] { set_parameter(p, name, ini_value(cfg, section, key)); });
+          name + " is given twice, with and without its unit; leave one of them" + source);
+    with_source(source, [&] { set_parameter(p, name, ini_value(cfg, section, key)); });
   }
 }
 
@@ -146,7 +148,7 @@ std::vector<std::string> load_parameters(
   const std::string insertion = section_prefix + "_insertOpts";
   load_parameter_section(cfg, creation, loaded, warnings);
   load_parameter_section(cfg, insertion, loaded, warnings);
-  with_place(detail::in_sections(cfg, creation, insertion), [&] { loaded.validate(); });
+  with_source(detail::in_sections(cfg, creation, insertion), [&] { loaded.validate(); });
   warn_sections(cfg, section_prefix, warnings);
   p = loaded;
   return warnings;
@@ -157,7 +159,7 @@ void load_execution(
     int& threads, int& device)
 {
   const std::string section = section_prefix + "_creationOpts";
-  with_place(
+  with_source(
       detail::in_section(cfg, section),
       [&]
       {
@@ -207,6 +209,21 @@ std::string parameters_as_markdown()
     out << " | " << info.description << " |\n";
   }
   return out.str();
+}
+
+void fit_planner_ini(mrpt::config::CConfigFileBase& ini)
+{
+  const std::string section = "CHolonomicFullEval";
+  for (const std::string key : {"factorWeights", "factorNormalizeOrNot"})
+  {
+    std::vector<std::string> factors;
+    mrpt::system::tokenize(ini_value(ini, section, key), "[], \t", factors);
+    if (factors.size() != 7 && factors.size() != 8) continue;
+    factors.resize(detail::kHolonomicFactors, "0");
+    std::string text;
+    for (const auto& factor : factors) text += (text.empty() ? "[" : ", ") + factor;
+    ini.write(section, key, text + "]");
+  }
 }
 
 }  // namespace talus

@@ -31,8 +31,7 @@ struct SurfaceView
 
   std::size_t index(int ix, int iy) const
   {
-    return static_cast<std::size_t>(iy) * static_cast<std::size_t>(window.cells) +
-           static_cast<std::size_t>(ix);
+    return static_cast<std::size_t>(iy) * window.cells + ix;
   }
 
   /** Centre of a column or row of cells, map frame [m]. */
@@ -58,8 +57,7 @@ struct SurfaceView
   const std::vector<float>&ground, &elevation, &variance, &state, &traversability;
 
  private:
-  /** True when one of the four neighbours ends below z, is unknown, or lies outside of the window.
-   */
+  /** Whether one of the four neighbours ends below z, is unknown, or is outside of the window. */
   bool exposed(std::size_t cell, double z) const
   {
     const auto n = static_cast<std::size_t>(window.cells);

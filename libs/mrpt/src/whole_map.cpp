@@ -56,26 +56,26 @@ site::SiteMapper::State read_state(detail::StreamReader& in)
   return s;
 }
 
-using Way = std::vector<site::WayPoint>;
+using Path = std::vector<site::WayPoint>;
 
-void write_way(mrpt::serialization::CArchive& out, const Way& way)
+void write_path(mrpt::serialization::CArchive& out, const Path& path)
 {
-  out << static_cast<std::uint64_t>(way.size());
-  for (const auto& p : way) out << p.x_m << p.y_m << p.z_m << p.floor;
+  out << static_cast<std::uint64_t>(path.size());
+  for (const auto& p : path) out << p.x_m << p.y_m << p.z_m << p.floor;
 }
 
-Way read_way(detail::StreamReader& in)
+Path read_path(detail::StreamReader& in)
 {
-  Way way;
+  Path path;
   for (auto left = in.number<std::uint64_t>(kWhole); left > 0; left--)
   {
     site::WayPoint p{};
     for (float* v : {&p.x_m, &p.y_m, &p.z_m}) *v = in.number<float>(kWhole);
     p.floor = in.number<std::int32_t>(kWhole);
     if (!std::isfinite(p.x_m) || !std::isfinite(p.y_m) || !std::isfinite(p.z_m)) in.fail(kWhole);
-    way.push_back(p);
+    path.push_back(p);
   }
-  return way;
+  return path;
 }
 
 /** For tiles that find no room in memory: a folder that is needed by few maps must not stop all. */
@@ -143,7 +143,7 @@ void WholeMap::write(const ElevationMapper& map, mrpt::serialization::CArchive& 
   site::Site& all = site_in_hindsight(map);
   write_state(out, mapper_.state());
   out << static_cast<std::uint64_t>(all.ways.size());
-  for (const Way& way : all.ways) write_way(out, way);
+  for (const Path& path : all.ways) write_path(out, path);
   const auto keys = all.tiles.keys();
   out << static_cast<std::uint64_t>(keys.size());
   for (const auto& key : keys)
@@ -159,7 +159,7 @@ void WholeMap::read(detail::StreamReader& in)
   const site::SiteMapper::State state = read_state(in);
   site_.ways.clear();
   for (auto left = in.number<std::uint64_t>(kWhole); left > 0; left--)
-    site_.ways.push_back(read_way(in));
+    site_.ways.push_back(read_path(in));
   if (site_.ways.empty()) in.fail(kWhole);
   for (auto left = in.number<std::uint64_t>(kWhole); left > 0; left--)
   {

@@ -7,8 +7,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include "nan.h"
-
 namespace talus::baselines
 {
 namespace
@@ -49,7 +47,8 @@ class Evaluator
     if (truth_) observed_.emplace(*truth_, options_.parameters);
     if (truth_ && world_ && !world_->movers.empty())
       movers_.emplace(*truth_, *world_, options_.parameters);
-    if (world_) prepare_scene();
+    if (world_) scene_.emplace(*world_, 0.0, false);
+    if (world_) scanner_ = sim::Drive(*world_, options_.drive).scanner();
     for (const std::string& name : options_.methods) add(name);
     choose_frames();
   }
@@ -71,12 +70,6 @@ class Evaluator
   }
 
  private:
-  void prepare_scene()
-  {
-    scene_.emplace(*world_, 0.0, false);
-    scanner_ = sim::Drive(*world_, options_.drive).scanner();
-  }
-
   void add(const std::string& name)
   {
     const double before_mb = heap_mb();
@@ -98,8 +91,7 @@ class Evaluator
     for (int k = 0; k < count; ++k)
     {
       const double share = count == 1 ? 1.0 : static_cast<double>(k) / (count - 1);
-      evaluated_[static_cast<std::size_t>(
-          std::lround(first + share * (static_cast<double>(n - 1) - first)))] = true;
+      evaluated_[std::lround(first + share * (static_cast<double>(n - 1) - first))] = true;
     }
     picture_frame_ = static_cast<std::size_t>(options_.picture_at * static_cast<double>(n - 1));
     while (!evaluated_[picture_frame_]) ++picture_frame_;
@@ -139,7 +131,7 @@ class Evaluator
       score_frame(map, *truth_, *here, *observed_, e.score);
     }
     else
-      score_coverage(map, e.score);
+      for (const std::uint8_t s : map.state) e.score.cover(static_cast<CellState>(s));
     if (e.score.method == "talus") compare_fills(map, i, here);
     if (i == picture_frame_) result_.snapshot.maps.emplace_back(e.score.method, map);
     if (!truth_ && i + 1 == sequence_.frames.size()) result_.last.push_back(std::move(map));
@@ -148,7 +140,7 @@ class Evaluator
   void compare_fills(const Surfaces& map, std::size_t i, const std::optional<WindowTruth>& here)
   {
     const SparseGround sparse = measured_ground(map);
-    std::vector<std::pair<std::string, std::vector<float>>> fills{{"talus", map.ground_m}};
+    Fills fills{{"talus", map.ground_m}};
     std::vector<double> ms{0};
     for (const FillMethod& m : fill_methods())
     {
@@ -171,9 +163,7 @@ class Evaluator
     result_.snapshot.fills = std::move(fills);
   }
 
-  void score_fills(
-      const Surfaces& map, const WindowTruth& here,
-      const std::vector<std::pair<std::string, std::vector<float>>>& fills)
+  void score_fills(const Surfaces& map, const WindowTruth& here, const Fills& fills)
   {
     for (std::size_t k = 0; k < map.size(); ++k)
     {
@@ -196,18 +186,6 @@ class Evaluator
     }
   }
 
-  static void score_coverage(const Surfaces& map, Score& score)
-  {
-    for (std::uint8_t s : map.state)
-    {
-      score.measured.add(static_cast<CellState>(s) == CellState::Measured);
-      score.filled_two_sided.add(static_cast<CellState>(s) == CellState::FilledTwoSided);
-      score.filled_one_sided.add(static_cast<CellState>(s) == CellState::FilledOneSided);
-      score.presumed.add(static_cast<CellState>(s) == CellState::Presumed);
-      score.unknown.add(static_cast<CellState>(s) == CellState::Unknown);
-    }
-  }
-
   void start_snapshot(const ScanFrame& frame, const std::optional<WindowTruth>& here)
   {
     Snapshot& s = result_.snapshot;
@@ -218,9 +196,8 @@ class Evaluator
     for (std::size_t k = 0; k < here->at.size(); ++k)
     {
       const bool inside = here->at[k] >= 0;
-      s.true_ground_m.push_back(
-          inside ? truth_->truth.ground[static_cast<std::size_t>(here->at[k])] : kNan);
-      s.true_label.push_back(here->blocked_now[k] ? 0.0f : here->free_now[k] ? 1.0f : kNan);
+      s.true_ground_m.push_back(inside ? truth_->truth.ground[here->at[k]] : NAN);
+      s.true_label.push_back(here->blocked_now[k] ? 0.0f : here->free_now[k] ? 1.0f : NAN);
     }
   }
 
@@ -250,9 +227,9 @@ Evaluation evaluate_sequence(
 TruthMap truth_of(const sim::World& world, const EvaluationOptions& options)
 {
   const Parameters& p = options.parameters;
-  const sim::Bounds way = sim::Drive(world, options.drive).path().bounds();
+  const sim::Bounds path = sim::Drive(world, options.drive).path().bounds();
   const double margin_m = 0.5 * p.window_m + kTruthMargin_m;
-  const sim::TruthWindow area = sim::window_around(way, margin_m, p.resolution_m);
+  const sim::TruthWindow area = sim::window_around(path, margin_m, p.resolution_m);
   return TruthMap(sim::truth(world, area, 0.0, TruthMap::truth_options(p, false)), p);
 }
 

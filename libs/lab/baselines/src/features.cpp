@@ -1,4 +1,4 @@
-#include <talus/baselines/highest_point_map.h>
+#include <talus/baselines/one_surface_map.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,11 +26,11 @@ struct Neighbourhood
 Neighbourhood gather(const std::vector<float>& surface, int cells, int ix, int iy, int radius)
 {
   Neighbourhood m;
-  const float own = surface[static_cast<std::size_t>(iy * cells + ix)];
+  const float own = surface[iy * cells + ix];
   for (int y = std::max(iy - radius, 0); y <= std::min(iy + radius, cells - 1); ++y)
     for (int x = std::max(ix - radius, 0); x <= std::min(ix + radius, cells - 1); ++x)
     {
-      const float h = surface[static_cast<std::size_t>(y * cells + x)];
+      const float h = surface[y * cells + x];
       if (h == h) m.add(x - ix, y - iy, h - own);
     }
   return m;

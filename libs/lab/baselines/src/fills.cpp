@@ -6,8 +6,6 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/photo.hpp>
 
-#include "nan.h"
-
 namespace talus::baselines
 {
 namespace
@@ -36,21 +34,21 @@ float infer(const SparseGround& s, const std::vector<float>& kernel, int radius,
   for (int y = std::max(iy - radius, 0); y <= std::min(iy + radius, n - 1); ++y)
     for (int x = std::max(ix - radius, 0); x <= std::min(ix + radius, n - 1); ++x)
     {
-      const float h = s.ground_m[static_cast<std::size_t>(y * n + x)];
+      const float h = s.ground_m[y * n + x];
       if (h != h) continue;
       const int k = (y - iy + radius) * side + x - ix + radius;
-      weights += kernel[static_cast<std::size_t>(k)];
-      sum += static_cast<double>(kernel[static_cast<std::size_t>(k)]) * h;
+      weights += kernel[k];
+      sum += static_cast<double>(kernel[k]) * h;
     }
-  return weights > 0 ? static_cast<float>(sum / weights) : kNan;
+  return weights > 0 ? static_cast<float>(sum / weights) : NAN;
 }
 
 float lowest_neighbour(const std::vector<float>& ground_m, int n, int ix, int iy)
 {
-  float lowest = kNan;
+  float lowest = NAN;
   for (int y = std::max(iy - 1, 0); y <= std::min(iy + 1, n - 1); ++y)
     for (int x = std::max(ix - 1, 0); x <= std::min(ix + 1, n - 1); ++x)
-      lowest = std::fmin(lowest, ground_m[static_cast<std::size_t>(y * n + x)]);
+      lowest = std::fmin(lowest, ground_m[y * n + x]);
   return lowest;
 }
 
@@ -65,8 +63,7 @@ cv::Mat nearest_known(const SparseGround& s, const cv::Mat& unknown)
   std::vector<float> height_of(static_cast<std::size_t>(n * n) + 1);
   const auto label = [&](int k) { return static_cast<std::size_t>(labels.at<int>(k / n, k % n)); };
   for (int k = 0; k < n * n; ++k)
-    if (!unknown.at<std::uint8_t>(k / n, k % n))
-      height_of[label(k)] = s.ground_m[static_cast<std::size_t>(k)];
+    if (!unknown.at<std::uint8_t>(k / n, k % n)) height_of[label(k)] = s.ground_m[k];
   for (int k = 0; k < n * n; ++k) heights.at<float>(k / n, k % n) = height_of[label(k)];
   return heights;
 }
@@ -76,8 +73,7 @@ std::vector<float> inpaint(const SparseGround& s, double radius_cells, int algor
   const int n = s.window.cells;
   cv::Mat unknown(n, n, CV_8U), filled;
   for (int k = 0; k < n * n; ++k)
-    unknown.at<std::uint8_t>(k / n, k % n) =
-        std::isnan(s.ground_m[static_cast<std::size_t>(k)]) ? 255 : 0;
+    unknown.at<std::uint8_t>(k / n, k % n) = std::isnan(s.ground_m[k]) ? 255 : 0;
   if (cv::countNonZero(unknown) == n * n) return s.ground_m;
   cv::inpaint(
       nearest_known(s, unknown) * kInpaintUnitsPerMetre, unknown, filled, radius_cells, algorithm);
@@ -91,7 +87,7 @@ SparseGround measured_ground(const Surfaces& s)
 {
   SparseGround sparse{s.window, s.ground_m};
   for (std::size_t i = 0; i < s.size(); ++i)
-    if (s.state[i] != static_cast<std::uint8_t>(CellState::Measured)) sparse.ground_m[i] = kNan;
+    if (s.state[i] != static_cast<std::uint8_t>(CellState::Measured)) sparse.ground_m[i] = NAN;
   return sparse;
 }
 
@@ -108,8 +104,7 @@ std::vector<float> fill_bgk(const SparseGround& s, double length_m)
   const auto kernel = kernel_table(radius, length_m, s.window.resolution_m);
   std::vector<float> filled = s.ground_m;
   for (int i = 0; i < n * n; ++i)
-    if (std::isnan(filled[static_cast<std::size_t>(i)]))
-      filled[static_cast<std::size_t>(i)] = infer(s, kernel, radius, i % n, i / n);
+    if (std::isnan(filled[i])) filled[i] = infer(s, kernel, radius, i % n, i / n);
   return filled;
 }
 
@@ -121,8 +116,7 @@ std::vector<float> fill_min_filter(const SparseGround& s, int iterations)
   {
     const std::vector<float> before = filled;
     for (int i = 0; i < n * n; ++i)
-      if (std::isnan(before[static_cast<std::size_t>(i)]))
-        filled[static_cast<std::size_t>(i)] = lowest_neighbour(before, n, i % n, i / n);
+      if (std::isnan(before[i])) filled[i] = lowest_neighbour(before, n, i % n, i / n);
   }
   return filled;
 }

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nan.h"
-
 namespace talus::baselines
 {
 namespace
@@ -26,35 +24,35 @@ double deviations_of(double probability)
 }
 }  // namespace
 
-void ToldErrors::add(float error_m, float variance_m2)
+void EstimateErrors::add(float error_m, float variance_m2)
 {
   if (!(variance_m2 >= 0) || std::isnan(error_m)) return;
   abs_m.push_back(std::abs(error_m));
-  told_m.push_back(std::sqrt(variance_m2));
+  estimated_m.push_back(std::sqrt(variance_m2));
 }
 
-void ToldErrors::add(const ToldErrors& o)
+void EstimateErrors::add(const EstimateErrors& o)
 {
   abs_m.insert(abs_m.end(), o.abs_m.begin(), o.abs_m.end());
-  told_m.insert(told_m.end(), o.told_m.begin(), o.told_m.end());
+  estimated_m.insert(estimated_m.end(), o.estimated_m.begin(), o.estimated_m.end());
 }
 
-double ToldErrors::within(double deviations) const
+double EstimateErrors::within(double deviations) const
 {
-  if (abs_m.empty()) return kNan;
+  if (abs_m.empty()) return NAN;
   std::size_t inside = 0;
   for (std::size_t i = 0; i < abs_m.size(); ++i)
-    inside += static_cast<double>(abs_m[i]) <= deviations * static_cast<double>(told_m[i]);
+    inside += static_cast<double>(abs_m[i]) <= deviations * static_cast<double>(estimated_m[i]);
   return static_cast<double>(inside) / static_cast<double>(abs_m.size());
 }
 
-double ToldErrors::share_within(double probability) const
+double EstimateErrors::share_within(double probability) const
 {
   return within(deviations_of(probability));
 }
 
-double ToldErrors::median_told_m() const { return io::quantile(told_m, 0.5); }
-double ToldErrors::true_m() const { return io::quantile(abs_m, kOneDeviation); }
+double EstimateErrors::median_estimated_m() const { return io::quantile(estimated_m, 0.5); }
+double EstimateErrors::true_m() const { return io::quantile(abs_m, kOneDeviation); }
 
 void HeightBars::add(const Surfaces& map, std::size_t k, float error_m, float reference_m2)
 {
@@ -73,9 +71,9 @@ void HeightBars::add(const HeightBars& o)
     for (std::size_t i = 0; i < of_[kind].size(); ++i) of_[kind][i].add(o.of_[kind][i]);
 }
 
-ToldErrors HeightBars::all(int kind) const
+EstimateErrors HeightBars::all(int kind) const
 {
-  ToldErrors both = near(kind);
+  EstimateErrors both = near(kind);
   both.add(far(kind));
   return both;
 }
@@ -83,7 +81,7 @@ ToldErrors HeightBars::all(int kind) const
 bool HeightBars::empty() const
 {
   for (const auto& kind : of_)
-    for (const ToldErrors& errors : kind)
+    for (const EstimateErrors& errors : kind)
       if (errors.count() > 0) return false;
   return true;
 }

@@ -6,8 +6,6 @@
 #include <opencv2/imgproc.hpp>
 #include <unordered_map>
 
-#include "nan.h"
-
 namespace talus::baselines
 {
 namespace
@@ -56,7 +54,7 @@ class Bands
   bool held(float angle) const
   {
     const int b = band(angle);
-    return b >= 0 && held_[static_cast<std::size_t>(b)];
+    return b >= 0 && held_[b];
   }
 
  private:
@@ -73,7 +71,7 @@ class Bands
     held_.assign(static_cast<std::size_t>(o.groups), 0);
     std::vector<int> points(held_.size(), 0);
     for (float a : angles)
-      if (const int b = band(a); b >= 0) ++points[static_cast<std::size_t>(b)];
+      if (const int b = band(a); b >= 0) ++points[b];
     int rank = 0;
     for (std::size_t b = 0; b < held_.size(); ++b)
       if (points[b] > 0) held_[b] = rank++ % o.every == o.every / 2;
@@ -85,27 +83,13 @@ class Bands
 
 SplitScan split(const ScanFrame& scan, const HoldOutOptions& o)
 {
-  SplitScan out;
-  out.kept.T_map_sensor = out.held.T_map_sensor = scan.T_map_sensor;
-  out.kept.T_base_sensor = out.held.T_base_sensor = scan.T_base_sensor;
-  out.kept.sensor = out.held.sensor = scan.sensor;
-  out.kept.stamp_s = out.held.stamp_s = scan.stamp_s;
+  SplitScan out{scan, scan};
+  for (ScanFrame* part : {&out.kept, &out.held})
+    for (auto* v : {&part->x_m, &part->y_m, &part->z_m}) v->clear();
   const Bands bands(scan, o);
   for (std::size_t i = 0; i < scan.x_m.size(); ++i)
     push(bands.held(elevation_angle(scan, i)) ? out.held : out.kept, scan, i);
   return out;
-}
-
-/** The lowest point of each cell; NaN: none. */
-std::vector<float> lowest_points(
-    const ScanFrame& scan, const Window& window, const Parameters& parameters)
-{
-  std::vector<float> lowest(
-      static_cast<std::size_t>(window.cells) * static_cast<std::size_t>(window.cells), kNan);
-  for (const MapPoint& p : accepted_points(scan.view(), parameters))
-    if (const int k = cell_index(window, p.x_m, p.y_m); k >= 0)
-      lowest[static_cast<std::size_t>(k)] = std::fmin(lowest[static_cast<std::size_t>(k)], p.z_m);
-  return lowest;
 }
 
 /** What all beams of all frames of a log hit in the cells of a window. NaN: nothing. */
@@ -139,8 +123,8 @@ class SeenByLog
         const auto at = cells_.find(
             key(static_cast<double>(w.min_cell_x + x), static_cast<double>(w.min_cell_y + y)));
         const bool hit = at != cells_.end();
-        seen.ground_m.push_back(hit ? at->second.ground_m() : kNan);
-        seen.highest_m.push_back(hit ? at->second.highest_m : kNan);
+        seen.ground_m.push_back(hit ? at->second.ground_m() : NAN);
+        seen.highest_m.push_back(hit ? at->second.highest_m : NAN);
       }
     return seen;
   }
@@ -167,8 +151,7 @@ class SeenByLog
   std::unordered_map<std::uint64_t, Extent> cells_;
 };
 
-/** Whether a point is ground: nothing stands on it, and nothing near lies below the cone under it.
- */
+/** Whether a point is ground: nothing stands on it or lies below the cone under it. */
 bool is_ground(const SeenCells& seen, const Window& w, std::size_t k, float z_m)
 {
   if (seen.highest_m[k] - z_m > kBare_m) return false;
@@ -178,14 +161,11 @@ bool is_ground(const SeenCells& seen, const Window& w, std::size_t k, float z_m)
     for (int x = std::max(ix - radius, 0); x <= std::min(ix + radius, w.cells - 1); ++x)
     {
       const double distance_m = std::hypot(x - ix, y - iy) * w.resolution_m;
-      if (seen.ground_m[static_cast<std::size_t>(y * w.cells + x)] <
-          z_m - kGroundAllowance_m - kGroundSlope * distance_m)
+      if (seen.ground_m[y * w.cells + x] < z_m - kGroundAllowance_m - kGroundSlope * distance_m)
         return false;
     }
   return true;
 }
-
-using Fills = std::vector<std::pair<std::string, std::vector<float>>>;
 
 Fills all_fills(const Surfaces& map)
 {
@@ -290,7 +270,7 @@ HoldOut hold_out(
   for (const ScanFrame& scan : sequence.frames) seen.add(scan, options.parameters);
   for (int i = 0; i < out.frames; ++i)
   {
-    const ScanFrame& scan = sequence.frames[static_cast<std::size_t>(i)];
+    const ScanFrame& scan = sequence.frames[i];
     const SplitScan parts = split(scan, holdout);
     map->update(parts.kept.view());
     other->update(parts.held.view());
@@ -299,7 +279,9 @@ HoldOut hold_out(
     const Surfaces surfaces = map->read();
     const SeenCells all = seen.in(surfaces.window);
     const Held held{surfaces, all, options.parameters, labels};
-    score_fills(out, held, lowest_points(parts.held, surfaces.window, options.parameters));
+    score_fills(
+        out, held,
+        lowest_points(accepted_points(parts.held.view(), options.parameters), surfaces.window));
     score_bars(out, held, other->read());
   }
   return out;

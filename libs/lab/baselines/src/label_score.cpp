@@ -1,4 +1,4 @@
-#include <talus/baselines/label_score.h>
+#include <talus/baselines/real_log.h>
 
 #include <talus/point_labels.h>
 #include <talus/sim/geometry.h>
@@ -15,12 +15,12 @@ namespace
 constexpr std::array<double, 2> kWithin_m{12, 40};
 
 /** Where a point of a scan is in the map, and how far from the sensor, seen from above [m]. */
-struct Place
+struct PointInMap
 {
   double x_m, y_m, z_m, away_m;
 };
 
-Place place_of(const ScanFrame& scan, std::size_t i)
+PointInMap point_in_map(const ScanFrame& scan, std::size_t i)
 {
   const Pose& T = scan.T_map_sensor;
   const sim::Vec3 p = sim::transform(T, {scan.x_m[i], scan.y_m[i], scan.z_m[i]});
@@ -78,7 +78,7 @@ void add_scan(
   for (std::size_t i = 0; i < labels.size(); ++i)
   {
     if (truth[i] == GroundTruth::NotScored) continue;
-    const Place p = place_of(scan, i);
+    const PointInMap p = point_in_map(scan, i);
     if (!window.index_at(p.x_m, p.y_m)) continue;
     for (Sum& sum : sums) sum.add(p.away_m, truth[i], labels[i]);
   }
@@ -120,7 +120,7 @@ std::vector<GroundTruth> ground_truth_of(const ScanFrame& scan, const LabelMap& 
   std::vector<GroundTruth> truth(scan.x_m.size(), GroundTruth::NotScored);
   for (std::size_t i = 0; i < truth.size(); ++i)
   {
-    const Place p = place_of(scan, i);
+    const PointInMap p = point_in_map(scan, i);
     if (std::isfinite(p.x_m + p.y_m))
       truth[i] = labels.truth_of(p.x_m, p.y_m, static_cast<float>(p.z_m));
   }

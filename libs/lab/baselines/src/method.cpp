@@ -1,16 +1,14 @@
-#include <talus/baselines/cupy_map.h>
-#include <talus/baselines/highest_point_map.h>
+#include <talus/baselines/one_surface_map.h>
 #include <talus/baselines/method.h>
 #include <talus/baselines/paper_map.h>
 #include <talus/baselines/stock_maps.h>
 #include <talus/frame_gatherer.h>
 #include <talus/point_filter.h>
 #include <talus/risk.h>
+#include <talus/baselines/sequence.h>
 
 #include <cmath>
 #include <stdexcept>
-
-#include "nan.h"
 
 namespace talus::baselines
 {
@@ -20,7 +18,6 @@ class TalusMethod : public Method
 {
  public:
   TalusMethod(const Parameters& parameters, Backend backend) : map_(parameters, backend, 1) {}
-  std::string name() const override { return "talus"; }
   void update(const Frame& frame) override
   {
     gatherer_.add(frame, [this](const Frame& scan) { map_.update(scan); });
@@ -48,38 +45,47 @@ class TalusMethod : public Method
   FrameGatherer gatherer_;
 };
 
+template <class M>
+std::unique_ptr<Method> make(const Parameters& p, Backend)
+{
+  return std::make_unique<M>(p);
+}
+
 }  // namespace
 
 Surfaces::Surfaces(const Window& w) : window(w)
 {
   const auto n = static_cast<std::size_t>(w.cells) * static_cast<std::size_t>(w.cells);
-  for (auto* layer : {&elevation_m, &ground_m, &traversability}) layer->assign(n, kNan);
+  for (auto* layer : {&elevation_m, &ground_m, &traversability}) layer->assign(n, NAN);
   state.assign(n, static_cast<std::uint8_t>(CellState::Unknown));
 }
 
 const std::vector<MethodInfo>& method_list()
 {
   static const std::vector<MethodInfo> list{
-      {"talus", "two surfaces, cleanup, filling (ElevationMapper)"},
-      {"paper", "the paper's method as printed: eq. 1 to 14, its fill, cleanup and hanging rule"},
-      {"octomap", "mrpt::maps::COctoMap, its columns read out with the same clearance"},
-      {"heightgrid", "mrpt::maps::CHeightGridMap2D, the mean height of a cell"},
-      {"highest", "highest-point elevation map with Kalman fusion, 7 x 7 window features"},
-      {"cucpp", "the same with cleanup in every frame, judged half by slope, half by roughness"},
-      {"cupy", "one surface, drift compensation, min filter and inpainting, window features"}};
+      {"talus", "two surfaces, cleanup, filling (ElevationMapper)",
+       [](const Parameters& p, Backend backend) -> std::unique_ptr<Method>
+       { return std::make_unique<TalusMethod>(p, backend); }},
+      {"paper", "the paper's method as printed: eq. 1 to 14, its fill, cleanup and hanging rule",
+       make<PaperMap>},
+      {"octomap", "mrpt::maps::COctoMap, its columns read out with the same clearance",
+       make<OctoMapMethod>},
+      {"heightgrid", "mrpt::maps::CHeightGridMap2D, the mean height of a cell",
+       make<HeightGridMethod>},
+      {"highest", "highest-point elevation map with Kalman fusion, 7 x 7 window features",
+       make<HighestPointMap>},
+      {"cucpp", "the same with cleanup in every frame, judged half by slope, half by roughness",
+       make<CuCppMap>},
+      {"cupy", "one surface, drift compensation, min filter and inpainting, window features",
+       make<CuPyMap>}};
   return list;
 }
 
 std::unique_ptr<Method> make_method(
     const std::string& name, const Parameters& parameters, Backend backend)
 {
-  if (name == "talus") return std::make_unique<TalusMethod>(parameters, backend);
-  if (name == "paper") return std::make_unique<PaperMap>(parameters);
-  if (name == "octomap") return std::make_unique<OctoMapMethod>(parameters);
-  if (name == "heightgrid") return std::make_unique<HeightGridMethod>(parameters);
-  if (name == "highest") return std::make_unique<HighestPointMap>(parameters);
-  if (name == "cucpp") return std::make_unique<CuCppMap>(parameters);
-  if (name == "cupy") return std::make_unique<CuPyMap>(parameters);
+  for (const MethodInfo& m : method_list())
+    if (name == m.name) return m.make(parameters, backend);
   std::string known;
   for (const auto& m : method_list()) known += (known.empty() ? "" : ", ") + std::string(m.name);
   throw std::invalid_argument("unknown method '" + name + "'; known: " + known);
@@ -110,6 +116,15 @@ std::vector<MapPoint> accepted_points(const Frame& frame, const Parameters& p)
   return points;
 }
 
+std::vector<float> lowest_points(const std::vector<MapPoint>& points, const Window& window)
+{
+  std::vector<float> lowest(static_cast<std::size_t>(window.cells) * window.cells, NAN);
+  for (const MapPoint& p : points)
+    if (const int k = cell_index(window, p.x_m, p.y_m); k >= 0)
+      lowest[k] = std::fmin(lowest[k], p.z_m);
+  return lowest;
+}
+
 int cell_index(const Window& w, double x_m, double y_m)
 {
   const auto i = w.index_at(x_m, y_m);
@@ -122,6 +137,59 @@ Middle middle_of_cell(const Window& w, std::size_t k)
   return {
       w.min_x_m() + (static_cast<double>(k % n) + 0.5) * w.resolution_m,
       w.min_y_m() + (static_cast<double>(k / n) + 0.5) * w.resolution_m};
+}
+
+namespace
+{
+constexpr double kFirstStamp_s = 1700000000.0;
+}
+
+Frame ScanFrame::view() const
+{
+  Frame f;
+  f.stamp_s = stamp_s;
+  f.T_map_sensor = T_map_sensor;
+  f.T_base_sensor = T_base_sensor;
+  f.sensor = sensor;
+  f.x_m = x_m.data();
+  f.y_m = y_m.data();
+  f.z_m = z_m.data();
+  f.size = x_m.size();
+  return f;
+}
+
+void add_sensor(Sequence& sequence, const std::string& name)
+{
+  const std::string all = " + " + sequence.sensor + " + ";
+  if (all.find(" + " + name + " + ") != std::string::npos) return;
+  sequence.sensor += (sequence.sensor.empty() ? "" : " + ") + name;
+}
+
+Sequence simulate(
+    const sim::World& world, const sim::Drive& drive,
+    const std::function<void(int done, int total)>& progress)
+{
+  Sequence sequence;
+  sequence.name = world.name;
+  for (std::size_t i = 0; i < world.sensors.size(); ++i)
+    add_sensor(sequence, drive.scanner(i).name);
+  for (int i = 0; i < drive.frames(); ++i)
+  {
+    sim::Scan scan = drive.scan(i);
+    ScanFrame f;
+    f.time_s = drive.time_s(i);
+    f.stamp_s = kFirstStamp_s + f.time_s;
+    f.T_base_sensor = drive.T_base_sensor(i);
+    f.sensor = static_cast<std::uint32_t>(drive.sensor(i));
+    f.T_map_sensor = sim::compose(drive.T_map_base_noisy(i), *f.T_base_sensor);
+    f.T_true = sim::compose(drive.T_map_base(i), *f.T_base_sensor);
+    f.x_m = std::move(scan.x_m);
+    f.y_m = std::move(scan.y_m);
+    f.z_m = std::move(scan.z_m);
+    sequence.frames.push_back(std::move(f));
+    if (progress) progress(i + 1, drive.frames());
+  }
+  return sequence;
 }
 
 }  // namespace talus::baselines

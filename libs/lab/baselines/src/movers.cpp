@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "nan.h"
-
 namespace talus::baselines
 {
 namespace
@@ -43,9 +41,9 @@ MoverTruth::MoverTruth(const TruthMap& truth, const sim::World& world, const Par
     : blocked_now(truth.size(), 0),
       near_now(truth.size(), 0),
       touched(truth.size(), 0),
-      underside_m(truth.size(), kNan),
-      hit_top_m(truth.size(), kNan),
-      lowest_ray_m(truth.size(), kNan),
+      underside_m(truth.size(), NAN),
+      hit_top_m(truth.size(), NAN),
+      lowest_ray_m(truth.size(), NAN),
       went_through(truth.size(), 0),
       seen_through_frame(truth.size(), -1),
       truth_(truth),
@@ -73,16 +71,16 @@ void MoverTruth::mark_movers(double time_s)
     {
       const std::int64_t x = first_x + i % w.cells_x, y = first_y + i / w.cells_x;
       const int at = truth_.index(x, y);
-      if (at < 0 || now.label[static_cast<std::size_t>(i)] != 0.0f) continue;
-      if (truth_.blocked(static_cast<std::size_t>(at))) continue;
-      blocked_now[static_cast<std::size_t>(at)] = 1;
+      if (at < 0 || now.label[i] != 0.0f) continue;
+      if (truth_.blocked(at)) continue;
+      blocked_now[at] = 1;
       const float bottom_m = bottom_of(now, static_cast<std::size_t>(i));
       for (int d = 0; d < 9; ++d)
       {
         const int near = truth_.index(x + d % 3 - 1, y + d / 3 - 1);
         if (near < 0) continue;
-        near_now[static_cast<std::size_t>(near)] = 1;
-        float& underside = underside_m[static_cast<std::size_t>(near)];
+        near_now[near] = 1;
+        float& underside = underside_m[near];
         underside = std::fmin(underside, bottom_m);
       }
     }
@@ -91,7 +89,7 @@ void MoverTruth::mark_movers(double time_s)
 
 void MoverTruth::enter_rays(const ScanFrame& scan)
 {
-  std::fill(lowest_ray_m.begin(), lowest_ray_m.end(), kNan);
+  std::fill(lowest_ray_m.begin(), lowest_ray_m.end(), NAN);
   std::fill(went_through.begin(), went_through.end(), 0);
   Frame view = scan.view();
   view.T_map_sensor = scan.T_true;
@@ -140,20 +138,13 @@ bool MoverTruth::sees_through(std::size_t cell) const
 
 void MoverTruth::forget_outside(const Window& window)
 {
-  const sim::TruthWindow& area = truth_.truth.window;
   for (std::size_t i = 0; i < touched.size(); ++i)
   {
-    if (!touched[i]) continue;
-    const double x =
-        area.min_x_m +
-        (static_cast<double>(i % static_cast<std::size_t>(area.cells_x)) + 0.5) * area.resolution_m;
-    const double y =
-        area.min_y_m +
-        (static_cast<double>(i / static_cast<std::size_t>(area.cells_x)) + 0.5) * area.resolution_m;
-    if (cell_index(window, x, y) >= 0) continue;
+    const auto [x_m, y_m] = truth_.middle(i);
+    if (!touched[i] || cell_index(window, x_m, y_m) >= 0) continue;
     touched[i] = 0;
-    underside_m[i] = kNan;
-    hit_top_m[i] = kNan;
+    underside_m[i] = NAN;
+    hit_top_m[i] = NAN;
     seen_through_frame[i] = -1;
   }
 }
@@ -197,7 +188,7 @@ void MoverWatch::look(
     if (since < 0) freed_[i] = counted_[i] = 0;
     if (since < 0 || !judged(truth, i)) continue;
     const int frames = movers.frame - since;
-    if (!freed_[i] && map.passable(static_cast<std::size_t>(k)))
+    if (!freed_[i] && map.passable(k))
     {
       freed_[i] = 1;
       score.residue_frames.add(static_cast<float>(frames));

@@ -1,10 +1,10 @@
-#include <talus/baselines/cell_line.h>
+#include <talus/baselines/window_cells.h>
 #include <talus/baselines/one_surface_map.h>
+#include <talus/baselines/fills.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "nan.h"
+#include <limits>
 
 namespace talus::baselines
 {
@@ -16,16 +16,9 @@ constexpr float kCleanupDeviations = 3.0f;
 std::vector<float> ray_bounds(
     const Window& window, const Pose& T_map_sensor, const std::vector<MapPoint>& points)
 {
-  const auto n = static_cast<std::size_t>(window.cells) * static_cast<std::size_t>(window.cells);
-  std::vector<float> lowest(n, kNan), bound(n, kNan);
-  for (const MapPoint& p : points)
-  {
-    const int i = cell_index(window, p.x_m, p.y_m);
-    if (i < 0) continue;
-    float& z = lowest[static_cast<std::size_t>(i)];
-    z = std::fmin(z, p.z_m);
-  }
-  for (std::size_t i = 0; i < n; ++i)
+  const std::vector<float> lowest = lowest_points(points, window);
+  std::vector<float> bound(lowest.size(), NAN);
+  for (std::size_t i = 0; i < lowest.size(); ++i)
   {
     if (std::isnan(lowest[i])) continue;
     const int cell = static_cast<int>(i);
@@ -36,11 +29,32 @@ std::vector<float> ray_bounds(
       if (at < 0) continue;  // the sensor is outside
       const double t = static_cast<double>(s) / line.steps();
       const double z_m = T_map_sensor.z() + t * (lowest[i] - T_map_sensor.z());
-      float& b = bound[static_cast<std::size_t>(at)];
+      float& b = bound[at];
       b = std::fmin(b, static_cast<float>(z_m));
     }
   }
   return bound;
+}
+
+constexpr float kGate_deviations = 2.5f;  //!< Mahalanobis distance, as elevation_mapping's default
+constexpr double kCleanupPeriod_s = 1.0;
+
+// The numbers of its default configuration.
+constexpr float kGate = 2.0f;  //!< Mahalanobis distance
+constexpr float kOutlier_m2 = 0.01f;  //!< added to the variance by a point outside the gate
+constexpr float kTime_m2ps = 1e-3f;  //!< added a second
+constexpr float kTrusted_m2 = 0.05f, kFlat = 0.9f;  //!< cells that drift is measured on
+constexpr double kMaxDrift_m = 0.1;  //!< a larger mean is none
+constexpr double kDriftShare = 0.1;  //!< of the mean error that a frame makes up for
+constexpr float kConeFrom_m = 1.0f, kConeRise = 0.3f, kConeLow_m = 0.2f;
+
+/** Higher above the sensor than the cone. */
+bool is_overhead(const MapPoint& p, const Pose& T_map_sensor)
+{
+  const auto distance_m =
+      static_cast<float>(std::hypot(p.x_m - T_map_sensor.x(), p.y_m - T_map_sensor.y()));
+  const float rise_m = p.z_m - static_cast<float>(T_map_sensor.z());
+  return rise_m > std::max(distance_m - kConeFrom_m, 0.0f) * kConeRise + kConeLow_m;
 }
 
 }  // namespace
@@ -86,6 +100,114 @@ Surfaces OneSurfaceMap::surfaces() const
     s.elevation_m[i] = s.ground_m[i] = cells_[i].height_m;
     s.state[i] = static_cast<std::uint8_t>(CellState::Measured);
   }
+  return s;
+}
+
+void HighestPointMap::fuse(Cell& c, const MapPoint& p, double stamp_s) const
+{
+  const float difference = p.z_m - c.height_m, gate_m = kGate_deviations * std::sqrt(c.variance_m2);
+  if (!c.known() || difference > gate_m)
+    c = {p.z_m, point_variance_m2(p), stamp_s};
+  else if (difference >= -gate_m)
+    kalman(c, p, stamp_s);
+}
+
+std::vector<MapPoint> HighestPointMap::insert(const Frame& frame)
+{
+  roll_to(frame);
+  std::vector<MapPoint> points = accepted_points(frame, parameters());
+  for (const MapPoint& p : points)
+    if (Cell* c = cells().find(p.x_m, p.y_m)) fuse(*c, p, frame.stamp_s);
+  return points;
+}
+
+void HighestPointMap::update(const Frame& frame)
+{
+  const auto points = insert(frame);
+  if (frame.stamp_s - last_cleanup_s_ < kCleanupPeriod_s) return;
+  clean_up(frame, points);
+  last_cleanup_s_ = frame.stamp_s;
+}
+
+Surfaces HighestPointMap::read()
+{
+  Surfaces s = surfaces();
+  judge_one_surface(s, parameters());
+  return s;
+}
+
+void CuCppMap::update(const Frame& frame) { clean_up(frame, insert(frame)); }
+
+Surfaces CuCppMap::read()
+{
+  Surfaces s = surfaces();
+  Parameters p = parameters();
+  p.weight_slope = p.weight_roughness = 0.5;
+  p.weight_step = 0;
+  p.step_threshold_m = std::numeric_limits<double>::infinity();
+  judge_one_surface(s, p);
+  return s;
+}
+
+void CuPyMap::grow_older(double stamp_s)
+{
+  const auto passed_s = static_cast<float>(std::max(stamp_s - last_stamp_s_, 0.0));
+  for (Cell& c : cells()) c.variance_m2 += kTime_m2ps * passed_s;  // NaN stays
+  last_stamp_s_ = stamp_s;
+}
+
+void CuPyMap::compensate_drift(const std::vector<MapPoint>& points)
+{
+  Surfaces s = surfaces();
+  judge_one_surface(s, parameters());
+  double sum_m = 0;
+  int hits = 0;
+  for (const MapPoint& p : points)
+  {
+    const int at = cell_index(s.window, p.x_m, p.y_m);
+    if (at < 0) continue;
+    const auto i = static_cast<std::size_t>(at);
+    const Cell& c = cells()[i];
+    if (!(c.variance_m2 < kTrusted_m2 && s.traversability[i] > kFlat)) continue;
+    sum_m += static_cast<double>(p.z_m) - c.height_m;
+    ++hits;
+  }
+  if (hits == 0 || std::abs(sum_m / hits) > kMaxDrift_m) return;
+  for (Cell& c : cells()) c.height_m += static_cast<float>(kDriftShare * sum_m / hits);
+}
+
+void CuPyMap::fuse(Cell& c, const MapPoint& p, double stamp_s) const
+{
+  if (!c.known())
+    c = {p.z_m, point_variance_m2(p), stamp_s};
+  else if (std::abs(p.z_m - c.height_m) > kGate * std::sqrt(c.variance_m2))
+    c.variance_m2 += kOutlier_m2;
+  else
+    kalman(c, p, stamp_s);
+}
+
+void CuPyMap::update(const Frame& frame)
+{
+  roll_to(frame);
+  std::vector<MapPoint> points = accepted_points(frame, parameters());
+  const auto overhead = [&](const MapPoint& p) { return is_overhead(p, frame.T_map_sensor); };
+  points.erase(std::remove_if(points.begin(), points.end(), overhead), points.end());
+  grow_older(frame.stamp_s);
+  compensate_drift(points);
+  for (const MapPoint& p : points)
+    if (Cell* c = cells().find(p.x_m, p.y_m)) fuse(*c, p, frame.stamp_s);
+  clean_up(frame, points);
+}
+
+Surfaces CuPyMap::read()
+{
+  Surfaces s = surfaces();
+  const SparseGround near{s.window, fill_min_filter(measured_ground(s))};
+  s.ground_m = s.elevation_m = fill_inpaint_telea(near);
+  for (std::size_t i = 0; i < s.size(); ++i)
+    if (s.known(i) && s.state[i] == static_cast<std::uint8_t>(CellState::Unknown))
+      s.state[i] = static_cast<std::uint8_t>(CellState::FilledOneSided);
+  judge_one_surface(s, parameters());
   return s;
 }
 

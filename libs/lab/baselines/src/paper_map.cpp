@@ -1,4 +1,4 @@
-#include <talus/baselines/cell_line.h>
+#include <talus/baselines/window_cells.h>
 #include <talus/baselines/paper_map.h>
 
 #include <algorithm>
@@ -127,7 +127,7 @@ void PaperMap::update_cells(const std::vector<Hit>& hits)
   {
     const auto end = std::find_if(
         begin, hits.end(), [begin](const Hit& hit) { return hit.cell != begin->cell; });
-    update_cell(cells_[static_cast<std::size_t>(begin->cell)], begin, end);
+    update_cell(cells_[begin->cell], begin, end);
     begin = end;
   }
 }
@@ -139,23 +139,22 @@ void PaperMap::clean_up(const Pose& T_map_sensor, const std::vector<Hit>& hits)
   std::vector<float> lowest_m(cells_.size(), kInfinity);
   for (const Hit& hit : hits)
   {
-    float& z_m = lowest_m[static_cast<std::size_t>(hit.cell)];
+    float& z_m = lowest_m[hit.cell];
     z_m = std::min(z_m, hit.z_m);
   }
   const auto sensor_m = static_cast<float>(T_map_sensor.z());
   const int n = cells_.window().cells;
   for (int i = 0; i < n * n; ++i)
   {
-    PaperCell& c = cells_[static_cast<std::size_t>(i)];
-    if (!c.stands() || lowest_m[static_cast<std::size_t>(i)] < kInfinity) continue;
+    PaperCell& c = cells_[i];
+    if (!c.stands() || lowest_m[i] < kInfinity) continue;
     const CellLine line(cells_.window(), T_map_sensor, i % n, i / n);
     if (line.steps() == 0) continue;
     int step = line.steps() + 1, at = line(step);
-    while (at >= 0 && lowest_m[static_cast<std::size_t>(at)] == kInfinity) at = line(++step);
+    while (at >= 0 && lowest_m[at] == kInfinity) at = line(++step);
     if (at < 0) continue;  // nothing was hit behind it
     const float share = static_cast<float>(line.steps()) / static_cast<float>(step);
-    const float threshold_m =
-        sensor_m + share * (lowest_m[static_cast<std::size_t>(at)] - sensor_m);
+    const float threshold_m = sensor_m + share * (lowest_m[at] - sensor_m);
     if (c.elevation_m > threshold_m) c.elevation_m = c.ground_m;
   }
 }

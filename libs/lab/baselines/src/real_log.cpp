@@ -1,15 +1,151 @@
+#include <talus/site/site_mapper.h>
 #include <talus/baselines/real_log.h>
 
-#include "cell_hits.h"
-
+#include <algorithm>
 #include <cmath>
-
-#include "nan.h"
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
 
 namespace talus::baselines
 {
 namespace
 {
+/** What stands so high stops a robot, and what is higher hangs over it. */
+constexpr float kLowest_m = 0.3f, kHighest_m = 1.8f;
+constexpr int kLeftFrames = 5;  //!< with ground alone, after which what stood there has left
+
+/** What all frames of a log hit, cell by cell. */
+class CellHits
+{
+ public:
+  /** Two passes: what stands is found by the lowest of all. */
+  CellHits(const Sequence& sequence, const Parameters& p);
+
+  /** -infinity: nothing was hit. */
+  float highest_m(double x_m, double y_m) const;
+  /** Whether what stood in a cell was not there in the last frames that hit it. */
+  bool has_left(double x_m, double y_m) const;
+
+ private:
+  struct Hits
+  {
+    float lowest_m = std::numeric_limits<float>::infinity();
+    float highest_m = -std::numeric_limits<float>::infinity();
+    bool stood = false;  //!< something, in any frame
+    int bare_after = 0;  //!< frames with ground alone since then
+  };
+  using Key = std::pair<std::int64_t, std::int64_t>;
+  Key key(double x_m, double y_m) const;
+  const Hits* find(const Key& cell) const;
+  void add(const std::vector<MapPoint>& points);
+
+  double resolution_m_;
+  std::map<Key, Hits> hits_;
+};
+
+CellHits::CellHits(const Sequence& sequence, const Parameters& p) : resolution_m_(p.resolution_m)
+{
+  for (const ScanFrame& frame : sequence.frames)
+    for (const MapPoint& point : accepted_points(frame.view(), p))
+    {
+      Hits& h = hits_[key(point.x_m, point.y_m)];
+      h.lowest_m = std::min(h.lowest_m, point.z_m);
+      h.highest_m = std::max(h.highest_m, point.z_m);
+    }
+  for (const ScanFrame& frame : sequence.frames) add(accepted_points(frame.view(), p));
+}
+
+float CellHits::highest_m(double x_m, double y_m) const
+{
+  const Hits* const h = find(key(x_m, y_m));
+  return h ? h->highest_m : Hits{}.highest_m;
+}
+
+bool CellHits::has_left(double x_m, double y_m) const
+{
+  const Hits* const h = find(key(x_m, y_m));
+  return h && h->stood && h->bare_after >= kLeftFrames;
+}
+
+CellHits::Key CellHits::key(double x_m, double y_m) const
+{
+  const auto cell = [&](double at_m)
+  { return static_cast<std::int64_t>(std::floor(at_m / resolution_m_)); };
+  return {cell(x_m), cell(y_m)};
+}
+
+const CellHits::Hits* CellHits::find(const Key& cell) const
+{
+  const auto found = hits_.find(cell);
+  return found == hits_.end() ? nullptr : &found->second;
+}
+
+void CellHits::add(const std::vector<MapPoint>& points)
+{
+  std::map<Key, bool> up;
+  for (const MapPoint& p : points)
+  {
+    const float above_m = p.z_m - hits_[key(p.x_m, p.y_m)].lowest_m;
+    up[key(p.x_m, p.y_m)] |= above_m >= kLowest_m && above_m <= kHighest_m;
+  }
+  for (const auto& [cell, stands] : up)
+  {
+    Hits& h = hits_[cell];
+    h.stood |= stands;
+    h.bare_after = stands ? 0 : h.bare_after + 1;
+  }
+}
+
+constexpr std::size_t kMemory_bytes = std::size_t{512} << 20;
+
+/** Drives once more, and keeps what leaves the window. */
+void keep_drive(site::Site& site, const Sequence& sequence, const Parameters& parameters)
+{
+  site::SiteMapper mapper(site);
+  ElevationMapper map(parameters, Backend::Cpu, 1);
+  for (const ScanFrame& frame : sequence.frames) mapper.update(map, frame.view());
+  mapper.keep_window(map);
+  mapper.look_back(map);
+}
+
+/** Of the cells of the site of the whole drive that are labelled kMoves: blocked. Throws
+ * std::runtime_error as TileStore. */
+Share swept_blocked(const Sequence& sequence, const LabelMap& labels, const Parameters& parameters)
+{
+  Share blocked;
+  const auto& all = *labels.stack.find("label");
+  if (std::find(all.begin(), all.end(), static_cast<float>(LabelMap::kMoves)) == all.end())
+    return blocked;
+  site::Site site(
+      parameters.resolution_m, kMemory_bytes, std::filesystem::temp_directory_path().string());
+  keep_drive(site, sequence, parameters);
+  const auto label_of = [&](std::int64_t x, std::int64_t y)
+  {
+    const auto middle_m = [&](std::int64_t cell)
+    { return site::middle_of_cell_m(cell, parameters.resolution_m); };
+    const std::ptrdiff_t at = labels.cell_at(middle_m(x), middle_m(y));
+    return at < 0 ? LabelMap::kNotKnown : labels.label(at);
+  };
+  for (const site::TileKey& key : site.tiles.keys())
+  {
+    const auto& cells = site.tiles.find(key)->cells;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+    {
+      const auto at = static_cast<std::int64_t>(i);
+      const std::int64_t x = site::cell_of_tile(key.x, at % site::kTileCells);
+      const std::int64_t y = site::cell_of_tile(key.y, at / site::kTileCells);
+      if (cells[i].known() && label_of(x, y) == LabelMap::kMoves)
+        blocked.add(cells[i].cell.traversability == 0);
+    }
+  }
+  return blocked;
+}
+
 constexpr float kOnGround_m = 0.15f;
 
 void score_points(
@@ -22,7 +158,7 @@ void score_points(
     const int k = cell_index(map.window, p.x_m, p.y_m);
     if (k < 0 || truth == GroundTruth::NotScored) continue;
     const bool is_ground = truth == GroundTruth::Ground;
-    const bool is_said = std::abs(p.z_m - map.ground_m[static_cast<std::size_t>(k)]) <= kOnGround_m;
+    const bool is_said = std::abs(p.z_m - map.ground_m[k]) <= kOnGround_m;
     if (is_said) score.precision.add(is_ground);
     if (is_ground) score.recall.add(is_said);
   }
@@ -56,7 +192,7 @@ float local_ground_m(const LabelMap& labels, double x_m, double y_m)
       }
     if (ground.of > 0) return static_cast<float>(ground.value());
   }
-  return kNan;
+  return NAN;
 }
 
 void score_labels(
@@ -104,13 +240,10 @@ std::ptrdiff_t LabelMap::cell_at(double x_m, double y_m) const
   if (!(x >= 0 && y >= 0 && x < stack.cells_x && y < stack.cells_y)) return -1;
   return static_cast<std::ptrdiff_t>(y) * stack.cells_x + static_cast<std::ptrdiff_t>(x);
 }
-float LabelMap::ground_m(std::ptrdiff_t cell) const
-{
-  return (*stack.find("ground"))[static_cast<std::size_t>(cell)];
-}
+float LabelMap::ground_m(std::ptrdiff_t cell) const { return (*stack.find("ground"))[cell]; }
 int LabelMap::label(std::ptrdiff_t cell) const
 {
-  const float label = (*stack.find("label"))[static_cast<std::size_t>(cell)];
+  const float label = (*stack.find("label"))[cell];
   return std::isnan(label) ? kNotKnown : static_cast<int>(std::lround(label));
 }
 

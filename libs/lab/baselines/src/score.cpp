@@ -5,15 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nan.h"
-
 namespace talus::baselines
 {
 namespace
 {
 constexpr double kRingShare = 0.05, kRingCells = 20;
-
-using Figures = std::vector<std::pair<std::string, double>>;
 
 void add_errors(Figures& out, const std::string& name, const Errors& e)
 {
@@ -22,21 +18,49 @@ void add_errors(Figures& out, const std::string& name, const Errors& e)
   out.emplace_back(name + "_n", static_cast<double>(e.count()));
 }
 
-void add_cost(Figures& out, const Score& s)
+template <class Figure>
+struct Named
 {
-  out.emplace_back("update_median_ms", io::quantile(s.update_ms, 0.5));
-  out.emplace_back("update_p99_ms", io::quantile(s.update_ms, 0.99));
-  out.emplace_back("read_median_ms", io::quantile(s.read_ms, 0.5));
-  out.emplace_back("memory_mb", s.memory_mb);
-}
+  const char* name;
+  Figure Score::*figure;
+};
+/** In the order of CellState from Measured on; the last one is of unknown cells. */
+constexpr Named<Share> kCoverage[]{
+    {"coverage_measured", &Score::measured},
+    {"coverage_two_sided", &Score::filled_two_sided},
+    {"coverage_one_sided", &Score::filled_one_sided},
+    {"coverage_presumed", &Score::presumed},
+    {"coverage_unknown", &Score::unknown}};
+constexpr Named<Errors> kErrors[]{
+    {"measured_elevation", &Score::measured_elevation},
+    {"two_sided_seen", &Score::two_sided_seen},
+    {"two_sided_unseen", &Score::two_sided_unseen},
+    {"one_sided", &Score::one_sided},
+    {"presumed", &Score::presumed_ground}};
+constexpr Named<Share> kShares[]{
+    {"hanging_wrong", &Score::hanging_wrong},
+    {"hanging_wrong_seen", &Score::hanging_wrong_seen},
+    {"hanging_passable", &Score::hanging_passable},
+    {"obstacle_blocked", &Score::obstacle_blocked},
+    {"obstacle_blocked_whole", &Score::obstacle_blocked_whole},
+    {"free_passable", &Score::free_passable},
+    {"free_passable_all", &Score::free_passable_all},
+    {"posts_kept", &Score::posts},
+    {"ditch_found", &Score::ditch_found},
+    {"leak", &Score::leak},
+    {"leak_hit", &Score::leak_hit},
+    {"reach", &Score::reach},
+    {"reach_seen", &Score::reach_seen},
+    {"beyond", &Score::beyond},
+    {"mover_freed", &Score::mover_freed}};
 
 }  // namespace
 
-double Share::value() const { return of > 0 ? part / of : kNan; }
+double Share::value() const { return of > 0 ? part / of : NAN; }
 
 double Errors::rmse_m() const
 {
-  if (abs_m.empty()) return kNan;
+  if (abs_m.empty()) return NAN;
   double sum = 0;
   for (float e : abs_m) sum += static_cast<double>(e) * e;
   return std::sqrt(sum / static_cast<double>(abs_m.size()));
@@ -44,12 +68,19 @@ double Errors::rmse_m() const
 
 double Errors::quantile_m(double q) const { return io::quantile(abs_m, q); }
 
+void Score::cover(CellState state)
+{
+  const auto own =
+      (static_cast<std::size_t>(state) + std::size(kCoverage) - 1) % std::size(kCoverage);
+  for (std::size_t i = 0; i < std::size(kCoverage); ++i) (this->*kCoverage[i].figure).add(i == own);
+}
+
 double Score::inflation_cells() const
 {
-  double cells = kNan;
+  double cells = NAN;
   for (int k = 0; k < kRings; ++k)
   {
-    const Share& ring = ring_blocked[static_cast<std::size_t>(k)];
+    const Share& ring = ring_blocked[k];
     if (ring.of < kRingCells) continue;
     if (std::isnan(cells)) cells = 0;
     if (ring.value() > kRingShare) cells = k + 1;
@@ -75,32 +106,10 @@ void Score::add(const Score& o)
   bars.add(o.bars);
   for (std::size_t i = 0; i < kTenths; ++i) risky[i].add(o.risky[i]);
   for (std::size_t k = 0; k < kRings; ++k) ring_blocked[k].add(o.ring_blocked[k]);
-  for (Errors Score::*e :
-       {&Score::measured_elevation, &Score::two_sided_seen, &Score::two_sided_unseen,
-        &Score::one_sided, &Score::presumed_ground, &Score::residue_frames})
-    (this->*e).add(o.*e);
-  for (Share Score::*s :
-       {&Score::measured,
-        &Score::filled_two_sided,
-        &Score::filled_one_sided,
-        &Score::presumed,
-        &Score::unknown,
-        &Score::hanging_wrong,
-        &Score::hanging_wrong_seen,
-        &Score::hanging_passable,
-        &Score::obstacle_blocked,
-        &Score::obstacle_blocked_whole,
-        &Score::free_passable,
-        &Score::free_passable_all,
-        &Score::posts,
-        &Score::ditch_found,
-        &Score::leak,
-        &Score::leak_hit,
-        &Score::reach,
-        &Score::reach_seen,
-        &Score::beyond,
-        &Score::mover_freed})
-    (this->*s).add(o.*s);
+  for (const auto& e : kErrors) (this->*e.figure).add(o.*e.figure);
+  residue_frames.add(o.residue_frames);
+  for (const auto& share : kCoverage) (this->*share.figure).add(o.*share.figure);
+  for (const auto& share : kShares) (this->*share.figure).add(o.*share.figure);
   update_ms.insert(update_ms.end(), o.update_ms.begin(), o.update_ms.end());
   read_ms.insert(read_ms.end(), o.read_ms.begin(), o.read_ms.end());
   memory_mb = std::max(memory_mb, o.memory_mb);
@@ -119,15 +128,12 @@ void FillScore::add(const FillScore& o)
 
 Figures figures(const Score& s)
 {
-  Figures out;
-  add_cost(out, s);
-  for (const auto& [name, share] : std::initializer_list<std::pair<const char*, Share>>{
-           {"coverage_measured", s.measured},
-           {"coverage_two_sided", s.filled_two_sided},
-           {"coverage_one_sided", s.filled_one_sided},
-           {"coverage_presumed", s.presumed},
-           {"coverage_unknown", s.unknown}})
-    out.emplace_back(name, share.value());
+  Figures out{
+      {"update_median_ms", io::quantile(s.update_ms, 0.5)},
+      {"update_p99_ms", io::quantile(s.update_ms, 0.99)},
+      {"read_median_ms", io::quantile(s.read_ms, 0.5)},
+      {"memory_mb", s.memory_mb}};
+  for (const auto& share : kCoverage) out.emplace_back(share.name, (s.*share.figure).value());
   add_errors(out, "measured_ground", s.all_measured_ground());
   for (std::size_t t = 0; t < kTerrainCount; ++t)
   {
@@ -135,28 +141,8 @@ Figures figures(const Score& s)
     add_errors(out, name, s.measured_ground[t]);
     add_errors(out, name + "_hit", s.measured_ground_hit[t]);
   }
-  add_errors(out, "measured_elevation", s.measured_elevation);
-  add_errors(out, "two_sided_seen", s.two_sided_seen);
-  add_errors(out, "two_sided_unseen", s.two_sided_unseen);
-  add_errors(out, "one_sided", s.one_sided);
-  add_errors(out, "presumed", s.presumed_ground);
-  for (const auto& [name, share] : std::initializer_list<std::pair<const char*, Share>>{
-           {"hanging_wrong", s.hanging_wrong},
-           {"hanging_wrong_seen", s.hanging_wrong_seen},
-           {"hanging_passable", s.hanging_passable},
-           {"obstacle_blocked", s.obstacle_blocked},
-           {"obstacle_blocked_whole", s.obstacle_blocked_whole},
-           {"free_passable", s.free_passable},
-           {"free_passable_all", s.free_passable_all},
-           {"posts_kept", s.posts},
-           {"ditch_found", s.ditch_found},
-           {"leak", s.leak},
-           {"leak_hit", s.leak_hit},
-           {"reach", s.reach},
-           {"reach_seen", s.reach_seen},
-           {"beyond", s.beyond},
-           {"mover_freed", s.mover_freed}})
-    out.emplace_back(name, share.value());
+  for (const auto& e : kErrors) add_errors(out, e.name, s.*e.figure);
+  for (const auto& share : kShares) out.emplace_back(share.name, (s.*share.figure).value());
   out.emplace_back("mover_cells", s.mover_freed.of);
   out.emplace_back("residue_median_frames", s.residue_frames.quantile_m(0.5));
   out.emplace_back("residue_max_frames", s.residue_frames.quantile_m(1.0));

@@ -28,7 +28,7 @@ class FrameScorer
   {
     for (std::size_t k = 0; k < map_.size(); ++k)
     {
-      coverage(k);
+      score_.cover(state(k));
       if (here_.at[k] < 0 || here_.touched[k]) continue;
       const auto at = static_cast<std::size_t>(here_.at[k]);
       if (!truth_.known(at)) continue;
@@ -51,10 +51,9 @@ class FrameScorer
     cv::Mat no_upright(n, n, CV_8U, 1);
     for (int k = 0; k < n * n; ++k)
     {
-      const int at = here_.at[static_cast<std::size_t>(k)];
-      if (at < 0 || !observed_.shows_obstacle(static_cast<std::size_t>(at))) continue;
-      if (truth_.vertical[static_cast<std::size_t>(at)])
-        no_upright.at<std::uint8_t>(k / n, k % n) = 0;
+      const int at = here_.at[k];
+      if (at < 0 || !observed_.shows_obstacle(at)) continue;
+      if (truth_.vertical[at]) no_upright.at<std::uint8_t>(k / n, k % n) = 0;
     }
     cv::distanceTransform(no_upright, to_upright_, cv::DIST_C, 3);
   }
@@ -62,15 +61,6 @@ class FrameScorer
   {
     const int n = map_.window.cells, i = static_cast<int>(k);
     return static_cast<int>(std::lround(to_upright_.at<float>(i / n, i % n)));
-  }
-
-  void coverage(std::size_t k)
-  {
-    score_.measured.add(state(k) == CellState::Measured);
-    score_.filled_two_sided.add(state(k) == CellState::FilledTwoSided);
-    score_.filled_one_sided.add(state(k) == CellState::FilledOneSided);
-    score_.presumed.add(state(k) == CellState::Presumed);
-    score_.unknown.add(state(k) == CellState::Unknown);
   }
 
   void heights(std::size_t k, std::size_t at)
@@ -116,7 +106,7 @@ class FrameScorer
     const int from_obstacle = truth_.to_obstacle[at];
     if (truth_.clear(at)) score_.free_passable.add(map_.passable(k));
     if (from_obstacle >= 1 && from_obstacle <= kRings && distance_to_upright(k) == from_obstacle)
-      score_.ring_blocked[static_cast<std::size_t>(from_obstacle - 1)].add(map_.blocked(k));
+      score_.ring_blocked[from_obstacle - 1].add(map_.blocked(k));
   }
 
   void risk(std::size_t k, std::size_t at)
@@ -145,14 +135,13 @@ class FrameScorer
     std::vector<std::uint8_t> hit(static_cast<std::size_t>(truth_.posts), 0), kept(hit);
     for (int k = 0; k < n * n; ++k)
     {
-      const int at = here_.at[static_cast<std::size_t>(k)];
-      const int post = at < 0 ? -1 : truth_.post[static_cast<std::size_t>(at)];
+      const int at = here_.at[k];
+      const int post = at < 0 ? -1 : truth_.post[at];
       const int x = k % n, y = k / n;
       if (post < 0 || x < 1 || y < 1 || x + 1 >= n || y + 1 >= n) continue;
       const auto number = static_cast<std::size_t>(post);
-      hit[number] |= observed_.shows_obstacle(static_cast<std::size_t>(at));
-      for (int d = 0; d < 9; ++d)
-        kept[number] |= map_.blocked(static_cast<std::size_t>((y + d / 3 - 1) * n + x + d % 3 - 1));
+      hit[number] |= observed_.shows_obstacle(at);
+      for (int d = 0; d < 9; ++d) kept[number] |= map_.blocked((y + d / 3 - 1) * n + x + d % 3 - 1);
     }
     for (std::size_t i = 0; i < hit.size(); ++i)
       if (hit[i]) score_.posts.add(kept[i]);

@@ -1,11 +1,9 @@
 #include <mrpt/maps/CSimplePointsMap.h>
-#include <talus/baselines/highest_point_map.h>
+#include <talus/baselines/one_surface_map.h>
 #include <talus/baselines/stock_maps.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include "nan.h"
 
 namespace talus::baselines
 {
@@ -48,7 +46,7 @@ void OctoMapMethod::update(const Frame& frame)
 Column read_column(
     const std::vector<bool>& occupied, double first_z_m, double resolution_m, double clearance_m)
 {
-  Column column{kNan, kNan};
+  Column column{NAN, NAN};
   double top_m = 0;  // upper side of what stands
   for (std::size_t i = 0; i < occupied.size(); ++i)
   {
@@ -82,7 +80,7 @@ Surfaces OctoMapMethod::read()
         double p = 0;
         const bool mapped = map_.getPointOccupancy(
             static_cast<float>(x), static_cast<float>(y), static_cast<float>(center_m(iz, res)), p);
-        occupied[static_cast<std::size_t>(iz - low)] = mapped && p > 0.5;
+        occupied[iz - low] = mapped && p > 0.5;
       }
       const Column c = read_column(occupied, center_m(low, res), res, parameters_.clearance_m);
       if (std::isnan(c.ground_m)) continue;

@@ -1,11 +1,10 @@
 #include <talus/baselines/truth_map.h>
+#include <talus/baselines/window_cells.h>
 
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-
-#include "spread.h"
 
 namespace talus::baselines
 {
@@ -61,13 +60,11 @@ PlaneFit fit_plane(
     const std::vector<float>& ground_m, int cells_x, int ix, int iy, int r, double res)
 {
   double z = 0, zz = 0, xz = 0, yz = 0, xx = 0, n = 0;
-  const float own = ground_m[static_cast<std::size_t>(iy * cells_x + ix)];
+  const float own = ground_m[iy * cells_x + ix];
   for (int dy = -r; dy <= r; ++dy)
     for (int dx = -r; dx <= r; ++dx)
     {
-      const double h =
-          static_cast<double>(ground_m[static_cast<std::size_t>((iy + dy) * cells_x + ix + dx)]) -
-          own;
+      const double h = static_cast<double>(ground_m[(iy + dy) * cells_x + ix + dx]) - own;
       n += 1, z += h, zz += h * h, xz += dx * h, yz += dy * h, xx += dx * dx;
     }
   const double gx = xz / xx, gy = yz / xx;  // on a full square x, y and 1 are orthogonal
@@ -134,11 +131,11 @@ void TruthMap::classify_terrain()
 {
   const sim::TruthWindow& w = truth.window;
   std::vector<std::uint8_t> calm(size(), 1);  // 0 at jumps
-  const auto surface = [&](int i) { return surface_m(static_cast<std::size_t>(i)); };
+  const auto surface = [&](int i) { return surface_m(i); };
   for (int i = 0; i < static_cast<int>(size()); ++i)
     for (int next : {(i + 1) % w.cells_x ? i + 1 : i, i + w.cells_x})
       if (next < static_cast<int>(size()) && std::abs(surface(i) - surface(next)) > kJump_m)
-        calm[static_cast<std::size_t>(i)] = calm[static_cast<std::size_t>(next)] = 0;
+        calm[i] = calm[next] = 0;
   const auto to_jump = distance_to_zero(calm, w);
   terrain.assign(size(), Terrain::Flat);
   constexpr int r = 3;
@@ -155,8 +152,8 @@ void TruthMap::classify_terrain()
 }
 
 /** Of the cells that a solid top covers whole, those that lean less than ground may: towards a
- * neighbour along each axis, so that edges count, or `all_ways` towards every other top. */
-std::vector<std::uint8_t> TruthMap::level_tops(const Parameters& p, bool all_ways) const
+ * neighbour along each axis, so that edges count, or `all_around` towards every other top. */
+std::vector<std::uint8_t> TruthMap::level_tops(const Parameters& p, bool all_around) const
 {
   const sim::TruthWindow& w = truth.window;
   const auto rise_m = static_cast<float>(std::tan(p.slope_threshold_rad) * w.resolution_m);
@@ -172,7 +169,7 @@ std::vector<std::uint8_t> TruthMap::level_tops(const Parameters& p, bool all_way
       const auto row = static_cast<std::size_t>(w.cells_x);
       const bool steep = lean(i - 1) || lean(i + 1) || lean(i - row) || lean(i + row);
       const bool goes_on = (same(i - 1) || same(i + 1)) && (same(i - row) || same(i + row));
-      level[i] = top(i) && (all_ways ? !steep : goes_on);
+      level[i] = top(i) && (all_around ? !steep : goes_on);
     }
   return level;
 }
@@ -222,14 +219,14 @@ void TruthMap::find_platforms(const Parameters& p)
   }
 }
 
-/** Of the cells of `level`, those that a way from free ground reaches without a higher step. */
+/** Of the cells of `level`, those that a path from free ground reaches without a higher step. */
 std::vector<std::uint8_t> TruthMap::climbed_tops(
     const std::vector<std::uint8_t>& level, float step_m) const
 {
   std::vector<std::uint8_t> climbed(size(), 0);
   std::vector<int> todo;
   for (int i = 0; i < static_cast<int>(size()); ++i)
-    if (free(static_cast<std::size_t>(i))) todo.push_back(i);
+    if (free(i)) todo.push_back(i);
   spread(
       todo, climbed, truth.window.cells_x,
       [&](std::size_t from, std::size_t to)
@@ -271,18 +268,16 @@ void TruthMap::find_posts()
   std::vector<float> height(static_cast<std::size_t>(n), 0.0f);
   for (std::size_t i = 0; i < size(); ++i)
   {
-    float& h = height[static_cast<std::size_t>(value<int>(labels, i))];
+    float& h = height[value<int>(labels, i)];
     h = std::max(h, standing_m(i));
   }
   std::vector<int> number(static_cast<std::size_t>(n), -1);
   for (int c = 1; c < n; ++c)
     if (stats.at<int>(c, cv::CC_STAT_WIDTH) <= kPost_cells &&
-        stats.at<int>(c, cv::CC_STAT_HEIGHT) <= kPost_cells &&
-        height[static_cast<std::size_t>(c)] > kPostHeight_m)
-      number[static_cast<std::size_t>(c)] = posts++;
+        stats.at<int>(c, cv::CC_STAT_HEIGHT) <= kPost_cells && height[c] > kPostHeight_m)
+      number[c] = posts++;
   post.resize(size());
-  for (std::size_t i = 0; i < size(); ++i)
-    post[i] = number[static_cast<std::size_t>(value<int>(labels, i))];
+  for (std::size_t i = 0; i < size(); ++i) post[i] = number[value<int>(labels, i)];
 }
 
 }  // namespace talus::baselines

@@ -7,7 +7,7 @@ namespace talus::sim
 {
 namespace
 {
-constexpr double kStep_m = 0.1;  //!< along the way
+constexpr double kStep_m = 0.1;  //!< along the path
 constexpr double kMaxSteps = 10000;  //!< from one stop to the next, however far that is
 constexpr double kGrid_m = 0.025;  //!< of vertical lines through what two bodies may share
 constexpr double kMaxLines = 100;  //!< along each axis
@@ -24,7 +24,7 @@ Bounds shared(const Bounds& a, const Bounds& b)
        std::min(a.max_m.z, b.max_m.z)}};
 }
 
-/** Whether two bodies overlap on the vertical line at a place, above a height. */
+/** Whether two bodies overlap on the vertical line at (x, y), above a height. */
 bool overlap_at(const Shape& a, const Shape& b, double x_m, double y_m, double above_m)
 {
   std::vector<Span> of_a, of_b;
@@ -58,8 +58,8 @@ std::vector<double> times_along(const std::vector<Mover::Stop>& path)
   for (std::size_t i = 1; i < path.size(); ++i)
   {
     const Mover::Stop &a = path[i - 1], &b = path[i];
-    const double way_m = std::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
-    const double steps = std::clamp(std::ceil(way_m / kStep_m), 1.0, kMaxSteps);
+    const double path_m = std::hypot(b.x_m - a.x_m, b.y_m - a.y_m);
+    const double steps = std::clamp(std::ceil(path_m / kStep_m), 1.0, kMaxSteps);
     for (double s = 1; s <= steps; ++s)
       times.push_back(a.time_s + (b.time_s - a.time_s) * s / steps);
   }
@@ -103,13 +103,13 @@ Shape body_of_robot(const World& world)
 std::vector<double> times_of_drive(
     const RobotPath& path, const RobotSetup& robot, const Mover& mover)
 {
-  const double way_s = path.way_s();
+  const double path_s = path.path_s();
   const double end_s = path.duration_s();
   std::vector<double> times{0};
   for (double t : times_along(mover.path))
     if (t > 0 && t < end_s) times.push_back(t);
-  const double step_s = std::max(kStep_m / robot.speed_mps, way_s / kMaxSteps);
-  for (double i = 1; i * step_s < std::min(way_s, end_s); ++i) times.push_back(i * step_s);
+  const double step_s = std::max(kStep_m / robot.speed_mps, path_s / kMaxSteps);
+  for (double i = 1; i * step_s < std::min(path_s, end_s); ++i) times.push_back(i * step_s);
   times.push_back(end_s);
   std::sort(times.begin(), times.end());
   return times;

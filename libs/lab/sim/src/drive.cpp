@@ -32,16 +32,17 @@ Scanner scanner_of(const SensorSetup& sensor, const DriveOptions& options)
   return s;
 }
 
-/** T_said_true at a time: where the localisation says that a place of the map is. */
+Pose moved(Pose T, const Vec3& by_m)
+{
+  T.m[3] += by_m.x;
+  T.m[7] += by_m.y;
+  T.m[11] += by_m.z;
+  return T;
+}
+
+/** T_said_true at a time: where the localisation says that a point of the map is. */
 Pose error_at(const PoseErrors& errors, const RobotPath& path, double time_s)
 {
-  const auto drifted = [&](Pose T, double t)
-  {
-    T.m[3] += errors.drift_mps.x * t;
-    T.m[7] += errors.drift_mps.y * t;
-    T.m[11] += errors.drift_mps.z * t;
-    return T;
-  };
   Pose T;
   for (const PoseErrors::Jump& jump : errors.jumps)
   {
@@ -49,14 +50,9 @@ Pose error_at(const PoseErrors& errors, const RobotPath& path, double time_s)
     const Pose said = compose(T, path.T_map_base(jump.time_s));
     const Vec3 at{said.x(), said.y(), said.z()};
     const Pose turn = pose_from_rpy({0, 0, 0}, jump.roll_rad, jump.pitch_rad, jump.yaw_rad);
-    const Vec3 shift = at + jump.shift_m - rotate(turn, at);
-    Pose correction = turn;
-    correction.m[3] = shift.x;
-    correction.m[7] = shift.y;
-    correction.m[11] = shift.z;
-    T = compose(correction, T);
+    T = compose(moved(turn, at + jump.shift_m - rotate(turn, at)), T);
   }
-  return drifted(T, time_s);
+  return moved(T, errors.drift_mps * time_s);
 }
 
 }  // namespace
@@ -101,10 +97,10 @@ int Drive::first_column(std::size_t sensor, int cut) const
 
 void Drive::list_frames()
 {
-  const std::size_t most = static_cast<std::size_t>(options_.frames.value_or(kMaxFrames));
+  const std::size_t max_frames = static_cast<std::size_t>(options_.frames.value_or(kMaxFrames));
   for (std::size_t s = 0; s < scanners_.size(); ++s)
   {
-    const double count = std::min(sweeps(s), static_cast<double>(most));
+    const double count = std::min(sweeps(s), static_cast<double>(max_frames));
     for (int i = 0; i < count; ++i)
       for (int cut = 0; cut < options_.cut_frames; ++cut)
       {
@@ -121,7 +117,7 @@ void Drive::list_frames()
   std::stable_sort(
       frames_.begin(), frames_.end(),
       [](const FrameAt& a, const FrameAt& b) { return a.time_s < b.time_s; });
-  if (frames_.size() > most) frames_.resize(most);
+  if (frames_.size() > max_frames) frames_.resize(max_frames);
   for (std::size_t i = 0; i < frames_.size(); ++i)
   {
     const bool same = i > 0 && frames_[i].time_s == frames_[i - 1].time_s;
@@ -146,10 +142,8 @@ Pose Drive::T_map_base_noisy(int frame) const
   const double m = options_.pose_noise_m, a = options_.angle_noise_rad;
   T = compose(error_at(world_.poses, path_, time_s(frame)), T);
   T = compose(T, pose_from_rpy({0, 0, 0}, a * e[3], a * e[4], a * e[5]));
-  T.m[3] += m * e[0];
-  T.m[7] += m * e[1];
-  T.m[11] += m * e[2] + options_.z_drift * path_.distance_m(time_s(frame));
-  return T;
+  const double drift_m = options_.z_drift * path_.distance_m(time_s(frame));
+  return moved(T, {m * e[0], m * e[1], m * e[2] + drift_m});
 }
 
 Scan Drive::scan(int frame) const

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <set>
 #include <sstream>
@@ -74,13 +75,14 @@ void fail_at(
   throw std::runtime_error(msg.str());
 }
 
-void require_few(
-    const YAML::Node& list, const std::string& file, const std::string& where, std::size_t most)
+void require_max_size(
+    const YAML::Node& list, const std::string& file, const std::string& where, std::size_t max_size)
 {
-  if (list.size() > most)
+  if (list.size() > max_size)
     fail_at(
         list, file, where,
-        "has " + std::to_string(list.size()) + " entries, the limit is " + std::to_string(most));
+        "has " + std::to_string(list.size()) + " entries, the limit is " +
+            std::to_string(max_size));
 }
 
 void require_list(
@@ -88,7 +90,7 @@ void require_list(
     const std::string& example)
 {
   if (!list.IsSequence()) fail_at(list, file, where, "must be a list, e.g. `- " + example + "`");
-  require_few(list, file, where, 1000);
+  require_max_size(list, file, where, 1000);
 }
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& known)
@@ -116,9 +118,11 @@ std::string only_key(
 
 Fields::Fields(
     const YAML::Node& node, const std::string& file, const std::string& where,
-    std::vector<std::string> known)
+    const std::string& known_words)
     : node_(node), file_(file), where_(where)
 {
+  std::istringstream words(known_words);
+  const std::vector<std::string> known{std::istream_iterator<std::string>(words), {}};
   if (!node.IsMap()) fail(node, "must be a map with the keys " + list_of(known));
   std::set<std::string> seen;
   for (const auto& entry : node)
@@ -210,6 +214,11 @@ std::vector<double> Fields::to_numbers(
 std::vector<double> Fields::numbers(const std::string& key, std::size_t count, Range range) const
 {
   return to_numbers(node(key), key, count, range);
+}
+Vec3 Fields::vector(const std::string& key, Range range) const
+{
+  const auto v = numbers(key, 3, range);
+  return {v[0], v[1], v[2]};
 }
 std::vector<double> Fields::numbers_or(
     const std::string& key, const std::vector<double>& fallback, Range range) const

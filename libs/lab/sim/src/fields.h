@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/sim/geometry.h>
 #include <yaml-cpp/yaml.h>
 
 #include <limits>
@@ -22,11 +23,11 @@ constexpr Range kShare{0, 1};
 class Fields
 {
  public:
-  /** Checks that `node` is a map, holds each key once and none but `known`. `where` names the map
-   * in messages, e.g. "objects.box". */
+  /** Checks that `node` is a map, holds each key once and none but the words of `known`. `where`
+   * names the map in messages, e.g. "objects.box". */
   Fields(
       const YAML::Node& node, const std::string& file, const std::string& where,
-      std::vector<std::string> known);
+      const std::string& known);
 
   bool has(const std::string& key) const;
   /** The node of a key that must be there. */
@@ -40,6 +41,7 @@ class Fields
   std::string text_or(const std::string& key, const std::string& fallback) const;
   /** A list of exactly `count` numbers. */
   std::vector<double> numbers(const std::string& key, std::size_t count, Range range) const;
+  Vec3 vector(const std::string& key, Range range) const;
   std::vector<double> numbers_or(
       const std::string& key, const std::vector<double>& fallback, Range range) const;
   /** A list of lists of exactly `count` numbers, one or more. */
@@ -76,8 +78,9 @@ void require_list(
 
 /** Throws for a list that is longer: each entry costs time in every ray, and short names can repeat
  * long ones. */
-void require_few(
-    const YAML::Node& list, const std::string& file, const std::string& where, std::size_t most);
+void require_max_size(
+    const YAML::Node& list, const std::string& file, const std::string& where,
+    std::size_t max_size);
 
 /** "FILE:LINE: WHERE: WHAT" */
 [[noreturn]] void fail_at(

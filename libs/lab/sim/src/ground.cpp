@@ -53,7 +53,7 @@ double Ground::gap_m(const Ray& ray, const Piece& piece, double range_m) const
 
 Ground::Piece Ground::piece(const Ray& ray, double from_m, double to_m) const
 {
-  // The linear share is known from two places well inside, away from the faces at the ends.
+  // The linear share is known from two points well inside, away from the faces at the ends.
   const double t1 = from_m + 0.25 * (to_m - from_m), t2 = from_m + 0.75 * (to_m - from_m);
   const Vec3 p1 = ray.at(t1), p2 = ray.at(t2);
   double h1 = 0, h2 = 0;

@@ -1,6 +1,5 @@
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <set>
 #include <utility>
@@ -15,8 +14,8 @@ constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 struct Kind
 {
-  std::vector<std::string> keys;
-  std::function<GroundPartPtr(const Fields&)> make;
+  const char* keys;
+  GroundPartPtr (*make)(const Fields&);
 };
 
 GroundPartPtr plane(const Fields& f)
@@ -110,22 +109,16 @@ GroundPartPtr image(const Fields& f)
   }
 }
 
-const std::map<std::string, Kind>& kinds()
-{
-  static const std::map<std::string, Kind> all{
-      {"plane", {{"z_m", "slope_x_deg", "slope_y_deg"}, plane}},
-      {"ramp", {{"at_m", "yaw_deg", "length_m", "height_m", "width_m", "top_m", "down_m"}, ramp}},
-      {"step", {{"at_m", "yaw_deg", "height_m", "width_m", "length_m"}, step}},
-      {"ditch", {{"at_m", "yaw_deg", "width_m", "depth_m", "bank_m", "length_m"}, ditch}},
-      {"sine", {{"amplitude_m", "wavelength_m", "yaw_deg", "phase_deg"}, sine}},
-      {"pit",
-       {{"at_m", "radius_m", "depth_m"}, [](const Fields& f) { return mound(f, "depth_m", -1); }}},
-      {"mound",
-       {{"at_m", "radius_m", "height_m"}, [](const Fields& f) { return mound(f, "height_m", 1); }}},
-      {"roughness", {{"amplitude_m", "wavelength_m", "octaves", "seed"}, roughness}},
-      {"image", {{"file", "at_m", "pixel_m", "min_m", "max_m"}, image}}};
-  return all;
-}
+const std::map<std::string, Kind> kKinds{
+    {"plane", {"z_m slope_x_deg slope_y_deg", plane}},
+    {"ramp", {"at_m yaw_deg length_m height_m width_m top_m down_m", ramp}},
+    {"step", {"at_m yaw_deg height_m width_m length_m", step}},
+    {"ditch", {"at_m yaw_deg width_m depth_m bank_m length_m", ditch}},
+    {"sine", {"amplitude_m wavelength_m yaw_deg phase_deg", sine}},
+    {"pit", {"at_m radius_m depth_m", [](const Fields& f) { return mound(f, "depth_m", -1); }}},
+    {"mound", {"at_m radius_m height_m", [](const Fields& f) { return mound(f, "height_m", 1); }}},
+    {"roughness", {"amplitude_m wavelength_m octaves seed", roughness}},
+    {"image", {"file at_m pixel_m min_m max_m", image}}};
 
 }  // namespace
 
@@ -133,16 +126,16 @@ void parse_ground(const YAML::Node& list, const std::string& file, World& world)
 {
   if (!list.IsSequence() || list.size() == 0)
     fail_at(list, file, "ground", "must be a list of parts, e.g. `- plane: {z_m: 0}`");
-  require_few(list, file, "ground", 1000);
+  require_max_size(list, file, "ground", 1000);
   std::vector<std::string> names;
-  for (const auto& k : kinds()) names.push_back(k.first);
+  for (const auto& k : kKinds) names.push_back(k.first);
   std::vector<std::pair<GroundPartPtr, Presence>> parts;
   std::set<double> changes_s;
   for (const auto& entry : list)
   {
     const std::string name = only_key(entry, file, "ground", names);
-    const Kind& kind = kinds().at(name);
-    const Fields f(entry[name], file, "ground." + name, with_presence(kind.keys));
+    const Kind& kind = kKinds.at(name);
+    const Fields f(entry[name], file, "ground." + name, kind.keys + std::string(kPresenceKeys));
     parts.emplace_back(kind.make(f), Presence(f));
     for (const double t : {parts.back().second.from_s, parts.back().second.until_s})
       if (t > 0 && std::isfinite(t)) changes_s.insert(t);

@@ -37,9 +37,7 @@ class Image : public GroundPart
     const double north = value(c, r + 1) * (1 - wu) + value(c + 1, r + 1) * wu;
     return min_ + scale_ * (south * (1 - wv) + north * wv);
   }
-  void breaks(const Ray&, std::vector<double>&) const override {}
   bool curved() const override { return true; }
-  Curvature curvature(double, double) const override { return bounds_; }
   Curvature bounds() const override { return bounds_; }
   bool defined(double x, double y) const override
   {

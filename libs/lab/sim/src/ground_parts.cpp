@@ -15,7 +15,6 @@ class Plane : public GroundPart
  public:
   Plane(double z_m, double slope_x, double slope_y) : z_(z_m), sx_(slope_x), sy_(slope_y) {}
   double height_m(double x, double y) const override { return z_ + sx_ * x + sy_ * y; }
-  void breaks(const Ray&, std::vector<double>&) const override {}
   Curvature bounds() const override
   {
     const bool tilted = sx_ != 0 || sy_ != 0;
@@ -91,9 +90,7 @@ class Sine : public GroundPart
   {
     return amplitude_ * std::sin(kx_ * x + ky_ * y + phase_);
   }
-  void breaks(const Ray&, std::vector<double>&) const override {}
   bool curved() const override { return true; }
-  Curvature curvature(double, double) const override { return bounds(); }
   Curvature bounds() const override
   {
     const double a = std::abs(amplitude_);
@@ -166,9 +163,7 @@ class Roughness : public GroundPart
       h += amplitude * noise(x * scale, y * scale, seed_ + static_cast<std::uint64_t>(i));
     return h;
   }
-  void breaks(const Ray&, std::vector<double>&) const override {}
   bool curved() const override { return true; }
-  Curvature curvature(double, double) const override { return bounds_; }
   Curvature bounds() const override { return bounds_; }
 
  private:

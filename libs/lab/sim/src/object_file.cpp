@@ -1,12 +1,10 @@
 #include <talus/sim/random.h>
 
 #include <algorithm>
-#include <functional>
 #include <iomanip>
 #include <map>
 #include <sstream>
 
-#include "place_shapes.h"
 #include "world_parts.h"
 
 namespace talus::sim
@@ -17,15 +15,12 @@ namespace
 class Builder
 {
  public:
-  Builder(const Ground& ground, const RobotPath& path) : place_(ground, shapes), path_(path) {}
-  Builder(const Builder&) = delete;
-  Builder& operator=(const Builder&) = delete;
+  Builder(const Ground& ground, const RobotPath& path) : ground_(ground), path_(path) {}
 
   void box(const Fields& f)
   {
-    const auto at = f.numbers("at_m", 2, kAny), size = f.numbers("size_m", 3, kPositive);
-    place_.box(at[0], at[1], {size[0], size[1], size[2]}, yaw(f), lift(f));
-    reflect(f, 1);
+    const auto at = f.numbers("at_m", 2, kAny);
+    put_box(at[0], at[1], f.vector("size_m", kPositive), yaw(f), lift(f));
   }
 
   void wall(const Fields& f)
@@ -39,17 +34,15 @@ class Builder
     for (int i = 0; i < pieces; ++i)
     {
       const Vec3 p = line.at((i + 0.5) / pieces);
-      place_.box(p.x, p.y, {piece_m, thickness, height}, line.yaw_rad, 0);
+      put_box(p.x, p.y, {piece_m, thickness, height}, line.yaw_rad, 0);
     }
-    reflect(f, pieces);
   }
 
   void post(const Fields& f)
   {
     const auto at = f.numbers("at_m", 2, kAny);
-    place_.post(
+    put_post(
         at[0], at[1], f.number("height_m", kPositive), f.number("radius_m", kPositive), lift(f));
-    reflect(f, 1);
   }
 
   void posts(const Fields& f)
@@ -59,24 +52,21 @@ class Builder
     for (int i = 0; i < count; ++i)
     {
       const Vec3 p = line.at(static_cast<double>(i) / (count - 1));
-      place_.post(p.x, p.y, f.number("height_m", kPositive), f.number("radius_m", kPositive), 0);
+      put_post(p.x, p.y, f.number("height_m", kPositive), f.number("radius_m", kPositive), 0);
     }
-    reflect(f, count);
   }
 
   void sphere(const Fields& f)
   {
     const auto at = f.numbers("at_m", 2, kAny);
-    const double r = f.number("radius_m", kPositive), z = place_.ground_m(at[0], at[1]) + lift(f);
+    const double r = f.number("radius_m", kPositive), z = ground_m(at[0], at[1]) + lift(f);
     shapes.push_back(make_ellipsoid({at[0], at[1], z + r}, {r, r, r}, 0));
-    reflect(f, 1);
   }
 
   void rock(const Fields& f)
   {
-    const auto at = f.numbers("at_m", 2, kAny), size = f.numbers("size_m", 3, kPositive);
-    place_.stone(at[0], at[1], {size[0], size[1], size[2]}, yaw(f));
-    reflect(f, 1);
+    const auto at = f.numbers("at_m", 2, kAny);
+    put_stone(at[0], at[1], f.vector("size_m", kPositive), yaw(f));
   }
 
   void rocks(const Fields& f)
@@ -91,18 +81,16 @@ class Builder
       const double x = random.uniform(area[0], area[2]), y = random.uniform(area[1], area[3]);
       const double s = random.uniform(size[0], size[1]), turn = random.uniform(0, kPi);
       if (path_.distance_to_m(x, y) < clear + 0.5 * s) continue;
-      place_.stone(x, y, {s, s * random.uniform(0.6, 1), s * random.uniform(0.5, 0.9)}, turn);
+      put_stone(x, y, {s, s * random.uniform(0.6, 1), s * random.uniform(0.5, 0.9)}, turn);
       ++made;
     }
     if (made < count) f.fail("area_m", "has no room for the rocks away from the robot's path");
-    reflect(f, count);
   }
 
   void foliage(const Fields& f)
   {
-    const auto at = f.numbers("at_m", 2, kAny), size = f.numbers("size_m", 3, kPositive);
-    leaves(f, at[0], at[1], {size[0], size[1], size[2]}, lift(f));
-    reflect(f, 1);
+    const auto at = f.numbers("at_m", 2, kAny);
+    leaves(f, at[0], at[1], f.vector("size_m", kPositive), lift(f));
   }
 
   void grass(const Fields& f)
@@ -120,11 +108,10 @@ class Builder
         const double dx = i * length - 0.5 * size[0], dy = j * width - 0.5 * size[1];
         const double x = at[0] + dx * std::cos(turn) - dy * std::sin(turn);
         const double y = at[1] + dx * std::sin(turn) + dy * std::cos(turn);
-        place_.box(x, y, {length, width, height}, turn, 0);
+        put_box(x, y, {length, width, height}, turn, 0);
         shapes.back().mean_free_path_m = depth;
         shapes.back().grass = true;
       }
-    reflect(f, static_cast<std::ptrdiff_t>(columns * rows));
   }
 
   void deck(const Fields& f)
@@ -134,7 +121,6 @@ class Builder
                  thickness = f.number_or("thickness_m", 0.2, kPositive);
     shapes.push_back(
         make_box({at[0], at[1], top - thickness}, {size[0], size[1], thickness}, yaw(f)));
-    reflect(f, 1);
   }
 
   void tree(const Fields& f)
@@ -142,19 +128,16 @@ class Builder
     const auto at = f.numbers("at_m", 2, kAny);
     const double height = f.number("height_m", kPositive), r = f.number("radius_m", kPositive);
     const double crown = 2 * f.number("crown_m", kPositive);
-    place_.post(at[0], at[1], height, r, 0);
+    put_post(at[0], at[1], height, r, 0);
     leaves(f, at[0], at[1], {crown, crown, 0.8 * crown}, height - 0.1 * crown);
-    reflect(f, 2);
   }
 
   void branch(const Fields& f)
   {
-    const auto a = f.numbers("from_m", 3, kAny), b = f.numbers("to_m", 3, kAny);
-    const Vec3 from{a[0], a[1], a[2] + place_.ground_m(a[0], a[1])};
-    const Vec3 to{b[0], b[1], b[2] + place_.ground_m(b[0], b[1])};
+    Vec3 from = f.vector("from_m", kAny), to = f.vector("to_m", kAny);
+    for (Vec3* end : {&from, &to}) end->z += ground_m(end->x, end->y);
     if (norm(to - from) < 1e-3) f.fail("to_m", "must differ from from_m");
     shapes.push_back(make_cylinder(from, to, f.number("radius_m", kPositive)));
-    reflect(f, 1);
   }
 
   void beam(const Fields& f)
@@ -163,27 +146,26 @@ class Builder
     const Vec3 p = line.at(0.5);
     const Vec3 size{
         line.length_m, f.number("width_m", kPositive), f.number("thickness_m", kPositive)};
-    place_.box(p.x, p.y, size, line.yaw_rad, f.number("underside_m", kPositive));
-    reflect(f, 1);
+    put_box(p.x, p.y, size, line.yaw_rad, f.number("underside_m", kPositive));
   }
 
   void table(const Fields& f)
   {
-    const auto at = f.numbers("at_m", 2, kAny), size = f.numbers("size_m", 3, kPositive);
-    const double top = f.number_or("thickness_m", 0.03, {1e-3, size[2]});
+    const auto at = f.numbers("at_m", 2, kAny);
+    const Vec3 size = f.vector("size_m", kPositive);
+    const double top = f.number_or("thickness_m", 0.03, {1e-3, size.z});
     const double leg = f.number_or("leg_m", 0.05, kPositive), turn = yaw(f);
-    place_.box(at[0], at[1], {size[0], size[1], top}, turn, size[2] - top);
+    put_box(at[0], at[1], {size.x, size.y, top}, turn, size.z - top);
     const double under = shapes.back().T_map_shape.z() - 0.5 * top;
     for (const double sx : {-0.5, 0.5})
       for (const double sy : {-0.5, 0.5})
       {
-        const double dx = sx * (size[0] - leg), dy = sy * (size[1] - leg);
+        const double dx = sx * (size.x - leg), dy = sy * (size.y - leg);
         const double x = at[0] + dx * std::cos(turn) - dy * std::sin(turn);
         const double y = at[1] + dx * std::sin(turn) + dy * std::cos(turn);
-        const double height = std::max(1e-3, under - place_.ground_m(x, y));
-        place_.box(x, y, {leg, leg, height}, turn, 0);
+        const double height = std::max(1e-3, under - ground_m(x, y));
+        put_box(x, y, {leg, leg, height}, turn, 0);
       }
-    reflect(f, 5);
   }
 
   void railing(const Fields& f)
@@ -198,15 +180,14 @@ class Builder
     for (int i = 0; i <= spans; ++i)
     {
       const Vec3 p = line.at(static_cast<double>(i) / spans);
-      place_.post(p.x, p.y, height, r, 0);
+      put_post(p.x, p.y, height, r, 0);
       for (int bar = 1; i > 0 && bar <= bars; ++bar)
       {
         const Vec3 before = line.at((i - 1.0) / spans);
         const Vec3 up{0, 0, height * bar / bars};
-        shapes.push_back(make_cylinder(place_.on_ground(before) + up, place_.on_ground(p) + up, r));
+        shapes.push_back(make_cylinder(on_ground(before) + up, on_ground(p) + up, r));
       }
     }
-    reflect(f, spans + 1 + spans * bars);
   }
 
   std::vector<Shape> shapes;
@@ -244,65 +225,73 @@ class Builder
     const std::string form = f.text_or("form", "ellipsoid");
     if (form != "ellipsoid" && form != "box") f.fail("form", "must be ellipsoid or box");
     if (form == "box")
-      place_.box(x, y, size, yaw(f), lift_m);
+      put_box(x, y, size, yaw(f), lift_m);
     else
-      shapes.push_back(make_ellipsoid(
-          {x, y, place_.ground_m(x, y) + lift_m + 0.5 * size.z}, size * 0.5, yaw(f)));
+      shapes.push_back(
+          make_ellipsoid({x, y, ground_m(x, y) + lift_m + 0.5 * size.z}, size * 0.5, yaw(f)));
     shapes.back().mean_free_path_m = f.number_or("mean_free_path_m", 0.1, kPositive);
   }
 
-  /** Sets the reflectivity of the last `count` shapes. */
-  void reflect(const Fields& f, std::ptrdiff_t count)
+  double ground_m(double x_m, double y_m) const { return ground_.height_m(x_m, y_m); }
+  Vec3 on_ground(const Vec3& p) const { return {p.x, p.y, ground_m(p.x, p.y)}; }
+
+  /** A box whose top is lift + size.z above the ground at its centre. Without lift it reaches down
+   * to the lowest ground below its corners, so that nothing shows under it on a slope. */
+  void put_box(double x_m, double y_m, const Vec3& size_m, double yaw_rad, double lift_m)
   {
-    const double value = f.number_or("reflectivity", 0.5, kShare);
-    std::for_each(shapes.end() - count, shapes.end(), [&](Shape& s) { s.reflectivity = value; });
+    const double ground = ground_m(x_m, y_m), c = std::cos(yaw_rad), s = std::sin(yaw_rad);
+    double bottom = ground + lift_m;
+    for (int corner = 0; lift_m == 0 && corner < 4; ++corner)
+    {
+      const double dx = 0.5 * size_m.x * (corner & 1 ? 1 : -1);
+      const double dy = 0.5 * size_m.y * (corner & 2 ? 1 : -1);
+      bottom = std::min(bottom, ground_m(x_m + c * dx - s * dy, y_m + s * dx + c * dy));
+    }
+    const double top = ground + lift_m + size_m.z;
+    shapes.push_back(make_box({x_m, y_m, bottom}, {size_m.x, size_m.y, top - bottom}, yaw_rad));
   }
 
-  PlaceShapes place_;
+  /** A vertical cylinder; without lift it reaches as deep into the ground as it is wide. */
+  void put_post(double x_m, double y_m, double height_m, double radius_m, double lift_m)
+  {
+    const double z = ground_m(x_m, y_m) + lift_m, sunk = lift_m == 0 ? radius_m : 0;
+    shapes.push_back(make_cylinder({x_m, y_m, z - sunk}, {x_m, y_m, z + height_m}, radius_m));
+  }
+
+  /** A stone that is buried a little deeper than its middle; size.z is what shows. */
+  void put_stone(double x_m, double y_m, const Vec3& size_m, double yaw_rad)
+  {
+    const double semi = 1.15 * size_m.z, z = ground_m(x_m, y_m) + size_m.z - semi;
+    shapes.push_back(
+        make_ellipsoid({x_m, y_m, z}, {0.5 * size_m.x, 0.5 * size_m.y, semi}, yaw_rad));
+  }
+
+  const Ground& ground_;
   const RobotPath& path_;
 };
 
 struct Kind
 {
-  std::vector<std::string> keys;
+  const char* keys;  //!< besides reflectivity, from_s and until_s
   void (Builder::*make)(const Fields&);
 };
 
-const std::map<std::string, Kind>& kinds()
-{
-  static const std::map<std::string, Kind> all{
-      {"box", {{"at_m", "size_m", "yaw_deg", "lift_m", "reflectivity"}, &Builder::box}},
-      {"wall", {{"from_m", "to_m", "height_m", "thickness_m", "reflectivity"}, &Builder::wall}},
-      {"post", {{"at_m", "height_m", "radius_m", "lift_m", "reflectivity"}, &Builder::post}},
-      {"posts",
-       {{"from_m", "to_m", "count", "height_m", "radius_m", "reflectivity"}, &Builder::posts}},
-      {"sphere", {{"at_m", "radius_m", "lift_m", "reflectivity"}, &Builder::sphere}},
-      {"rock", {{"at_m", "size_m", "yaw_deg", "reflectivity"}, &Builder::rock}},
-      {"rocks",
-       {{"area_m", "count", "size_m", "seed", "clear_m", "reflectivity"}, &Builder::rocks}},
-      {"foliage",
-       {{"at_m", "size_m", "yaw_deg", "lift_m", "form", "mean_free_path_m", "reflectivity"},
-        &Builder::foliage}},
-      {"grass",
-       {{"at_m", "size_m", "yaw_deg", "height_m", "density_per_m", "reflectivity"},
-        &Builder::grass}},
-      {"deck",
-       {{"at_m", "size_m", "yaw_deg", "z_m", "thickness_m", "reflectivity"}, &Builder::deck}},
-      {"tree",
-       {{"at_m", "height_m", "radius_m", "crown_m", "yaw_deg", "form", "mean_free_path_m",
-         "reflectivity"},
-        &Builder::tree}},
-      {"branch", {{"from_m", "to_m", "radius_m", "reflectivity"}, &Builder::branch}},
-      {"beam",
-       {{"from_m", "to_m", "underside_m", "width_m", "thickness_m", "reflectivity"},
-        &Builder::beam}},
-      {"table",
-       {{"at_m", "size_m", "yaw_deg", "thickness_m", "leg_m", "reflectivity"}, &Builder::table}},
-      {"railing",
-       {{"from_m", "to_m", "height_m", "radius_m", "bars", "spacing_m", "reflectivity"},
-        &Builder::railing}}};
-  return all;
-}
+const std::map<std::string, Kind> kKinds{
+    {"box", {"at_m size_m yaw_deg lift_m", &Builder::box}},
+    {"wall", {"from_m to_m height_m thickness_m", &Builder::wall}},
+    {"post", {"at_m height_m radius_m lift_m", &Builder::post}},
+    {"posts", {"from_m to_m count height_m radius_m", &Builder::posts}},
+    {"sphere", {"at_m radius_m lift_m", &Builder::sphere}},
+    {"rock", {"at_m size_m yaw_deg", &Builder::rock}},
+    {"rocks", {"area_m count size_m seed clear_m", &Builder::rocks}},
+    {"foliage", {"at_m size_m yaw_deg lift_m form mean_free_path_m", &Builder::foliage}},
+    {"grass", {"at_m size_m yaw_deg height_m density_per_m", &Builder::grass}},
+    {"deck", {"at_m size_m yaw_deg z_m thickness_m", &Builder::deck}},
+    {"tree", {"at_m height_m radius_m crown_m yaw_deg form mean_free_path_m", &Builder::tree}},
+    {"branch", {"from_m to_m radius_m", &Builder::branch}},
+    {"beam", {"from_m to_m underside_m width_m thickness_m", &Builder::beam}},
+    {"table", {"at_m size_m yaw_deg thickness_m leg_m", &Builder::table}},
+    {"railing", {"from_m to_m height_m radius_m bars spacing_m", &Builder::railing}}};
 
 }  // namespace
 
@@ -312,19 +301,23 @@ void parse_objects(const YAML::Node& list, const std::string& file, World& world
   if (!list.IsSequence())
     fail_at(list, file, "objects", "must be a list of objects, e.g. `- box: {...}`");
   std::vector<std::string> names;
-  for (const auto& k : kinds()) names.push_back(k.first);
+  for (const auto& k : kKinds) names.push_back(k.first);
   const RobotPath path(world);
   std::vector<Shape> shapes;
   for (const auto& entry : list)
   {
     const std::string name = only_key(entry, file, "objects", names);
-    const Kind& kind = kinds().at(name);
-    const Fields f(entry[name], file, "objects." + name, with_presence(kind.keys));
+    const Kind& kind = kKinds.at(name);
+    const Fields f(
+        entry[name], file, "objects." + name,
+        kind.keys + std::string(" reflectivity") + kPresenceKeys);
     const Presence presence(f);
     Builder builder(world.ground_at(presence.from_s), path);
     (builder.*kind.make)(f);
+    const double reflectivity = f.number_or("reflectivity", 0.5, kShare);
     for (Shape& s : builder.shapes)
     {
+      s.reflectivity = reflectivity;
       s.from_s = presence.from_s;
       s.until_s = presence.until_s;
       shapes.push_back(s);

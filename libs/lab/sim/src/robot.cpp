@@ -10,8 +10,7 @@ namespace
 constexpr double kPiece_m = 0.02;
 constexpr double kFloorStep_m = 0.3;  //!< a floor higher than this is not the next one
 
-/** Tangent at waypoint i: the slopes of both neighbouring chords, weighted by the other's length.
- */
+/** Tangent at waypoint i: the slopes of both chords beside it, weighted by the other's length. */
 Vec3 tangent(const std::vector<Vec3>& p, std::size_t i)
 {
   if (i == 0) return normalized(p[1] - p[0]);
@@ -50,16 +49,16 @@ RobotPath::RobotPath(const World& world) : world_(world)
   if (!world.decks.empty() || !world.robot.lifts.empty()) follow_floors();
 }
 
-double RobotPath::way_s() const
+double RobotPath::path_s() const
 {
-  double way = length_m() / world_.robot.speed_mps;
-  for (const Lift& lift : world_.robot.lifts) way += lift.duration_s;
-  return way;
+  double path_s = length_m() / world_.robot.speed_mps;
+  for (const Lift& lift : world_.robot.lifts) path_s += lift.duration_s;
+  return path_s;
 }
 
 double RobotPath::duration_s() const
 {
-  return world_.robot.duration_s > 0 ? world_.robot.duration_s : way_s();
+  return world_.robot.duration_s > 0 ? world_.robot.duration_s : path_s();
 }
 
 double RobotPath::distance_m(double time_s) const
@@ -70,7 +69,7 @@ double RobotPath::distance_m(double time_s) const
   return std::clamp(world_.robot.speed_mps * drives_s, 0.0, length_m());
 }
 
-/** When the robot has driven a distance, if it comes there after so many lifts. */
+/** When the robot has driven a distance, if it comes there after this number of lifts. */
 double RobotPath::time_at_s(double distance_m, std::size_t lifts) const
 {
   double time = distance_m / world_.robot.speed_mps;
@@ -156,7 +155,7 @@ Pose RobotPath::stand(double time_s, std::size_t leg) const
   return pose_from_axes(forward, cross(up, forward), up, {x, y, 0.25 * (fl + fr + rl + rr)});
 }
 
-/** Height of a wheel's lowest point at a place, on one of the legs. */
+/** Height of a wheel's lowest point at (x, y), on one of the legs. */
 double RobotPath::wheel_m(double x_m, double y_m, double time_s, std::size_t leg) const
 {
   if (legs_.empty()) return world_.ground_at(time_s).height_m(x_m, y_m);
@@ -177,7 +176,7 @@ double RobotPath::distance_to_m(double x_m, double y_m) const
   {
     const double here_m = std::hypot(p->x_m - x_m, p->y_m - y_m);
     best = std::min(best, here_m);
-    // No place of the curve is nearer than the way there.
+    // No point of the curve is nearer than the path to it.
     const double none_before_m = p->distance_m + here_m - best - kRounding_m;
     p = std::upper_bound(
         p + 1, points_.end(), none_before_m,

@@ -13,7 +13,7 @@ std::vector<Vec3> parse_waypoints(const Fields& f)
 {
   constexpr double kLongest_m = 1e5;  // the curve is kept in pieces of 2 cm
   std::vector<Vec3> waypoints;
-  double way_m = 0;
+  double length_m = 0;
   for (const auto& p : f.rows("path_m", 2))
   {
     const Vec3 next{p[0], p[1], 0};
@@ -21,11 +21,11 @@ std::vector<Vec3> parse_waypoints(const Fields& f)
     {
       const double leg_m = norm(next - waypoints.back());
       if (leg_m < 1e-3) f.fail("path_m", "holds the same place twice in a row");
-      way_m += leg_m;
+      length_m += leg_m;
     }
     waypoints.push_back(next);
   }
-  if (way_m > kLongest_m) f.fail("path_m", "is longer than 100 km: shorten it");
+  if (length_m > kLongest_m) f.fail("path_m", "is longer than 100 km: shorten it");
   return waypoints;
 }
 
@@ -36,7 +36,7 @@ std::vector<Lift> parse_lifts(const YAML::Node& list, const std::string& file)
   std::vector<Lift> lifts;
   for (const auto& entry : list)
   {
-    const Fields f(entry, file, where, {"time_s", "duration_s", "z_m"});
+    const Fields f(entry, file, where, "time_s duration_s z_m");
     const Lift lift{
         f.number("time_s", kNotNegative), f.number_or("duration_s", 0, kNotNegative),
         f.number("z_m", kAny)};
@@ -57,16 +57,11 @@ std::vector<Shape> parse_body(const YAML::Node& list, const std::string& file)
     const bool box = name == "box";
     const Fields f(
         entry[name], file, "robot.body." + name,
-        box ? std::vector<std::string>{"at_m", "size_m", "yaw_deg", "reflectivity"}
-            : std::vector<std::string>{"at_m", "height_m", "radius_m", "reflectivity"});
-    const auto p = f.numbers("at_m", 3, kAny);
-    const Vec3 at{p[0], p[1], p[2]};
+        box ? "at_m size_m yaw_deg reflectivity" : "at_m height_m radius_m reflectivity");
+    const Vec3 at = f.vector("at_m", kAny);
     if (box)
-    {
-      const auto size = f.numbers("size_m", 3, kPositive);
       body.push_back(
-          make_box(at, {size[0], size[1], size[2]}, radians(f.number_or("yaw_deg", 0, kAny))));
-    }
+          make_box(at, f.vector("size_m", kPositive), radians(f.number_or("yaw_deg", 0, kAny))));
     else
       body.push_back(make_cylinder(
           at, at + Vec3{0, 0, f.number("height_m", kPositive)}, f.number("radius_m", kPositive)));
@@ -87,9 +82,9 @@ void require_scanner(const Fields& f, const std::string& name)
                      "'? Known: " + list);
 }
 
-const std::vector<std::string> kSensorKeys{"scanner", "at_m",        "roll_pitch_yaw_deg",
-                                           "noise_m", "noise_per_m", "dropout",
-                                           "rate_hz", "max_range_m", "motion_distortion"};
+const std::string kSensorKeys =
+    "scanner at_m roll_pitch_yaw_deg noise_m noise_per_m dropout rate_hz max_range_m "
+    "motion_distortion";
 
 SensorSetup sensor_of(const Fields& f)
 {
@@ -125,8 +120,7 @@ PoseErrors::Jump jump_of(const Fields& f)
 RobotSetup parse_robot(const YAML::Node& node, const std::string& file)
 {
   const Fields f(
-      node, file, "robot",
-      {"path_m", "yaw_deg", "speed_mps", "duration_s", "wheelbase_m", "track_m", "lifts", "body"});
+      node, file, "robot", "path_m yaw_deg speed_mps duration_s wheelbase_m track_m lifts body");
   RobotSetup r;
   r.waypoints = parse_waypoints(f);
   r.yaw_rad = radians(f.number_or("yaw_deg", 0, kAny));
@@ -148,13 +142,11 @@ std::vector<SensorSetup> parse_sensors(const YAML::Node& list, const std::string
 {
   require_list(list, file, "sensors", "{name: front, scanner: VLP-16, at_m: [1, 0, 1]}");
   if (list.size() == 0) fail_at(list, file, "sensors", "must hold one sensor or more");
-  require_few(list, file, "sensors", 100);
-  std::vector<std::string> keys = kSensorKeys;
-  keys.insert(keys.end(), {"name", "phase_s"});
+  require_max_size(list, file, "sensors", 100);
   std::vector<SensorSetup> sensors;
   for (const auto& entry : list)
   {
-    const Fields f(entry, file, "sensors", keys);
+    const Fields f(entry, file, "sensors", kSensorKeys + " name phase_s");
     SensorSetup s = sensor_of(f);
     f.node("name");
     s.name = f.text_or("name", "");
@@ -170,11 +162,11 @@ std::vector<SensorSetup> parse_sensors(const YAML::Node& list, const std::string
 
 PoseErrors parse_poses(const YAML::Node& node, const std::string& file)
 {
-  const Fields f(node, file, "poses", {"jumps", "drift_mps"});
+  const Fields f(node, file, "poses", "jumps drift_mps");
   PoseErrors errors;
   if (f.has("drift_mps"))
   {
-    const Fields drift(f.node("drift_mps"), file, "poses.drift_mps", {"x", "y", "z"});
+    const Fields drift(f.node("drift_mps"), file, "poses.drift_mps", "x y z");
     errors.drift_mps = {
         drift.number_or("x", 0, kAny), drift.number_or("y", 0, kAny),
         drift.number_or("z", 0, kAny)};
@@ -184,9 +176,7 @@ PoseErrors parse_poses(const YAML::Node& node, const std::string& file)
   require_list(list, file, "poses.jumps", "{time_s: 5, z_m: 0.3, roll_deg: 1}");
   for (const auto& entry : list)
   {
-    const Fields jump(
-        entry, file, "poses.jumps",
-        {"time_s", "x_m", "y_m", "z_m", "roll_deg", "pitch_deg", "yaw_deg"});
+    const Fields jump(entry, file, "poses.jumps", "time_s x_m y_m z_m roll_deg pitch_deg yaw_deg");
     errors.jumps.push_back(jump_of(jump));
     const auto n = errors.jumps.size();
     if (n > 1 && errors.jumps[n - 1].time_s < errors.jumps[n - 2].time_s)

@@ -16,9 +16,9 @@ constexpr int kLayers = 6;
 constexpr double kTouch_m = 1e-3;  //!< less than this above the ground does not stand on it
 constexpr double kAir_m = 0.01;
 const double kFaceSlope = std::tan(radians(85));  //!< steeper ground is a face, not a slope
-constexpr int kAlong = 20;  //!< places on each side of a cell at which a stretch may begin or end
+constexpr int kAlong = 20;  //!< points on each side of a cell at which a stretch may begin or end
 constexpr double kLong_m = 1;  //!< steep ground of this length blocks, however little it rises
-constexpr int kHalves = 7;  //!< of the way between two samples, to find a face of a few mm
+constexpr int kHalves = 7;  //!< of the interval between two samples, to find a face of a few mm
 
 void check_size(double cells_x, double cells_y, double resolution_m)
 {
@@ -55,17 +55,17 @@ class CellJudge
     out.ground[index] = static_cast<float>(floor_m(cx, cy));
     sample_ground(x_m, y_m, resolution_m);
     int standing = 0;
-    solid_places_ = 0;
+    solid_samples_ = 0;
     for (int j = 1; j + 1 < n_; ++j)
       for (int i = 1; i + 1 < n_; ++i)
         standing += column_blocks(
             x_m + offset(i, resolution_m), y_m + offset(j, resolution_m), height(i, j), index, out);
     const bool ground = ground_blocks(resolution_m);
-    const int covered = std::max(standing, ground ? steep_places(resolution_m) : 0);
+    const int covered = std::max(standing, ground ? steep_samples(resolution_m) : 0);
     out.label[index] = standing > 0 || ground ? 0.0f : 1.0f;
-    const auto places = static_cast<float>((n_ - 2) * (n_ - 2));
-    out.covered[index] = static_cast<float>(covered) / places;
-    out.solid[index] = static_cast<float>(solid_places_) / places;
+    const auto samples = static_cast<float>((n_ - 2) * (n_ - 2));
+    out.covered[index] = static_cast<float>(covered) / samples;
+    out.solid[index] = static_cast<float>(solid_samples_) / samples;
   }
 
  private:
@@ -99,11 +99,11 @@ class CellJudge
   struct Rise
   {
     double rise_m, run_m;
-    bool face;  //!< steeper than kFaceSlope somewhere on the way
+    bool face;  //!< steeper than kFaceSlope somewhere in between
   };
 
-  /** From sample i to the next along an axis (0: x), at place j of the other. Samples are too far
-   * apart to tell a low face from a slope: halves of the way show where it is steepest. */
+  /** From sample i to the next along an axis (0: x), at index j of the other. Samples are too far
+   * apart to tell a low face from a slope: halves of the interval show where it is steepest. */
   Rise rise_after(int i, int j, int axis, double resolution_m) const
   {
     const auto sample_m = [&](int k) { return axis == 0 ? height(k, j) : height(j, k); };
@@ -175,8 +175,8 @@ class CellJudge
     return false;
   }
 
-  /** Of the places inside the cell, those beside which the ground is steeper than it may be. */
-  int steep_places(double resolution_m) const
+  /** Of the samples inside the cell, those beside which the ground is steeper than it may be. */
+  int steep_samples(double resolution_m) const
   {
     int steep = 0;
     for (int j = 1; j + 1 < n_; ++j)
@@ -210,7 +210,7 @@ class CellJudge
       underside = std::isnan(underside) ? static_cast<float>(lowest_air)
                                         : std::min(underside, static_cast<float>(lowest_air));
     if (level <= ground_m + kTouch_m) return false;
-    solid_places_ += solid;
+    solid_samples_ += solid;
     float& top = out.obstacle_top[index];
     top = std::isnan(top) ? static_cast<float>(level) : std::max(top, static_cast<float>(level));
     return level - ground_m > options_.min_obstacle_m;
@@ -219,7 +219,7 @@ class CellJudge
   const Scene& scene_;
   const TruthOptions& options_;
   double max_gradient_;  //!< of the ground
-  int solid_places_ = 0;
+  int solid_samples_ = 0;
   int n_;  //!< samples along a side, those beyond the borders included
   double corner_x_m_ = 0, corner_y_m_ = 0;  //!< of the cell
   std::vector<double> heights_;

@@ -71,26 +71,15 @@ Scene::Scene(const World& world, double time_s, bool with_movers)
 
 std::optional<Scene::Hit> Scene::cast(const Ray& ray, double max_m, std::uint64_t chance) const
 {
-  Hit best{max_m, kGroundReflectivity, nullptr};
-  bool any = false;
+  std::optional<Hit> best;
+  const auto reach_m = [&] { return best ? best->range_m : max_m; };
   for (const Shape& s : movers_)
-  {
-    const auto range = first_hit(s, ray, chance);
-    if (!range || *range >= best.range_m) continue;
-    best = {*range, s.reflectivity, &s};
-    any = true;
-  }
-  if (const auto hit = world_.objects.cast(ray, best.range_m, chance, time_s_))
-  {
-    best = {hit->range_m, hit->shape->reflectivity, hit->shape};
-    any = true;
-  }
-  if (const auto range = ground_.cast(ray, best.range_m))
-  {
-    best = {*range, kGroundReflectivity, nullptr};
-    any = true;
-  }
-  if (!any) return std::nullopt;
+    if (const auto range = first_hit(s, ray, chance); range && *range < reach_m())
+      best = Hit{*range, s.reflectivity, &s};
+  if (const auto hit = world_.objects.cast(ray, reach_m(), chance, time_s_))
+    best = Hit{hit->range_m, hit->shape->reflectivity, hit->shape};
+  if (const auto range = ground_.cast(ray, reach_m()))
+    best = Hit{*range, kGroundReflectivity, nullptr};
   return best;
 }
 

@@ -1,5 +1,6 @@
 #include <talus/input_file.h>
 #include <yaml-cpp/depthguard.h>
+#include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -8,14 +9,13 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "only_document.h"
 #include "world_parts.h"
 
 namespace talus::sim
 {
 namespace
 {
-void check_way(const Fields& f, const Mover& mover, const World& world)
+void check_path(const Fields& f, const Mover& mover, const World& world)
 {
   const auto fail = [&](const char* into, const Collision& c, const char* remedy)
   {
@@ -50,8 +50,8 @@ Mover parse_mover(const Fields& f, bool person)
   }
   else
   {
-    const auto size = f.numbers("size_m", 3, kPositive);
-    m.shapes = {make_box({0, 0, bottom}, {size[0], size[1], size[2] + lift - bottom}, 0)};
+    const Vec3 size = f.vector("size_m", kPositive);
+    m.shapes = {make_box({0, 0, bottom}, {size.x, size.y, size.z + lift - bottom}, 0)};
   }
   m.shapes[0].reflectivity = f.number_or("reflectivity", 0.8, kShare);
   const Presence presence(f);
@@ -59,8 +59,6 @@ Mover parse_mover(const Fields& f, bool person)
   m.shapes[0].until_s = presence.until_s;
   return m;
 }
-
-std::string stem(const std::string& file) { return std::filesystem::path(file).stem().string(); }
 
 }  // namespace
 
@@ -71,34 +69,94 @@ Presence::Presence(const Fields& f)
   if (until_s <= from_s) f.fail("until_s", "must be later than from_s");
 }
 
-std::vector<std::string> with_presence(std::vector<std::string> keys)
-{
-  keys.insert(keys.end(), {"from_s", "until_s"});
-  return keys;
-}
-
 std::vector<Mover> parse_movers(const YAML::Node& list, const std::string& file, const World& world)
 {
   if (!list.IsSequence())
     fail_at(list, file, "movers", "must be a list of movers, e.g. `- person: {...}`");
-  require_few(list, file, "movers", 1000);
+  require_max_size(list, file, "movers", 1000);
   std::vector<Mover> movers;
   for (const auto& entry : list)
   {
     const std::string name = only_key(entry, file, "movers", {"person", "box"});
     const bool person = name == "person";
-    const std::vector<std::string> keys = with_presence(
-        person ? std::vector<std::string>{"path", "height_m", "radius_m", "lift_m", "reflectivity"}
-               : std::vector<std::string>{"path", "size_m", "lift_m", "reflectivity"});
-    const Fields fields(entry[name], file, "movers." + name, keys);
+    const std::string size = person ? "height_m radius_m" : "size_m";
+    const Fields fields(
+        entry[name], file, "movers." + name,
+        "path " + size + " lift_m reflectivity" + kPresenceKeys);
     movers.push_back(parse_mover(fields, person));
-    check_way(fields, movers.back(), world);
+    check_path(fields, movers.back(), world);
   }
   return movers;
 }
 
 namespace
 {
+/** Notes where a document begins, and where it begins to say something. */
+class Beginning : public YAML::EventHandler
+{
+ public:
+  YAML::Mark start, content;
+  bool is_empty = true;
+
+  void OnDocumentStart(const YAML::Mark& mark) override
+  {
+    start = mark;
+    is_empty = true;
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { note(mark); }
+  void OnScalar(
+      const YAML::Mark& mark, const std::string&, YAML::anchor_t, const std::string&) override
+  {
+    note(mark);
+  }
+  void OnSequenceStart(
+      const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+      YAML::EmitterStyle::value) override
+  {
+    note(mark);
+  }
+  void OnMapStart(
+      const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+      YAML::EmitterStyle::value) override
+  {
+    note(mark);
+  }
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnDocumentEnd() override {}
+  void OnSequenceEnd() override {}
+  void OnMapEnd() override {}
+
+ private:
+  void note(const YAML::Mark& mark)
+  {
+    if (is_empty) content = mark;
+    is_empty = false;
+  }
+};
+
+/** The document of a text, which may hold no second one that says something. Throws
+ * YAML::Exception, and std::runtime_error that names file, line and remedy. */
+YAML::Node only_document(const std::string& text, const std::string& file)
+{
+  std::istringstream in(text);
+  YAML::Parser parser(in);
+  Beginning document;
+  int last_start = -1;
+  for (int number = 1; parser.HandleNextDocument(document); ++number)
+  {
+    // yaml-cpp takes a sign that begins nothing, such as ']', for an endless row of documents.
+    if (document.start.pos == last_start)
+      throw YAML::ParserException(document.start, "nothing begins so");
+    last_start = document.start.pos;
+    if (number > 1 && !document.is_empty)
+      throw std::runtime_error(
+          file + ":" + std::to_string(document.content.line + 1) +
+          ": world: a second YAML document begins here; a file holds one world: remove it, or the "
+          "'---' or '...' before it");
+  }
+  return YAML::Load(text);
+}
+
 std::string at_line(const std::string& file, const YAML::Exception& e)
 {
   return file + ":" + std::to_string(std::max(1, e.mark.line + 1)) + ": ";
@@ -108,10 +166,9 @@ World world_from(const YAML::Node& root, const std::string& file)
 {
   const Fields f(
       root, file, "world",
-      {"name", "description", "seed", "ground", "objects", "movers", "robot", "sensor", "sensors",
-       "poses"});
+      "name description seed ground objects movers robot sensor sensors poses");
   World w;
-  w.name = f.text_or("name", stem(file));
+  w.name = f.text_or("name", std::filesystem::path(file).stem().string());
   w.description = f.text_or("description", "");
   w.seed = static_cast<std::uint64_t>(f.whole_or("seed", 1, 0, 2000000000));
   parse_ground(f.node("ground"), file, w);

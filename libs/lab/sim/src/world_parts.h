@@ -5,8 +5,7 @@
 
 namespace talus::sim
 {
-/** When a thing is there: the keys from_s and until_s of each part of the ground, object and mover.
- */
+/** When a thing is there: from_s and until_s of a part of the ground, an object or a mover. */
 struct Presence
 {
   explicit Presence(const Fields& f);
@@ -15,13 +14,11 @@ struct Presence
   double from_s = -std::numeric_limits<double>::infinity();
   double until_s = std::numeric_limits<double>::infinity();
 };
-/** The keys of a thing with those of its presence. */
-std::vector<std::string> with_presence(std::vector<std::string> keys);
+constexpr const char* kPresenceKeys = " from_s until_s";  //!< after those of the thing
 
 /** The sections of a world file. Each throws as load_world() does. */
 void parse_ground(const YAML::Node& list, const std::string& file, World& world);
-/** Objects and decks. Ground and robot are there already: scattered things keep clear of its way.
- */
+/** Objects and decks. Ground and robot are there already: scattered things keep off its path. */
 void parse_objects(const YAML::Node& list, const std::string& file, World& world);
 RobotSetup parse_robot(const YAML::Node& node, const std::string& file);
 SensorSetup parse_sensor(const YAML::Node& node, const std::string& file);

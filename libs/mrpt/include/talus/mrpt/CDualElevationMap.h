@@ -10,7 +10,6 @@
 #include <talus/mrpt/nearest_points.h>
 #include <talus/mrpt/observation_points.h>
 #include <talus/mrpt/obstacles.h>
-#include <talus/mrpt/sensor_numbers.h>
 #include <talus/mrpt/version_compat.h>
 #include <talus/point_labels.h>
 
@@ -158,8 +157,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
    * insertion on; a new resolution_m or window_m starts an empty map. */
   struct TInsertionOptions : public mrpt::config::CLoadableOptions, public Parameters
   {
-    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section.
-     * */
+    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section. */
     void loadFromConfigFile(
         const mrpt::config::CConfigFileBase& source, const std::string& section) override;
     /** Writes each with its meaning as comment. */
@@ -179,8 +177,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
    * window is an outlier. 0 for an empty map. */
   struct TLikelihoodOptions : public mrpt::config::CLoadableOptions
   {
-    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section.
-     * */
+    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section. */
     void loadFromConfigFile(
         const mrpt::config::CConfigFileBase& source, const std::string& section) override;
     /** Writes each with its meaning as comment. */
@@ -198,8 +195,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
   /** How getVisualizationInto() draws the map. */
   struct TRenderOptions : public mrpt::config::CLoadableOptions
   {
-    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section.
-     * */
+    /** Reads those keys that are there. Throws std::runtime_error naming key, value and section. */
     void loadFromConfigFile(
         const mrpt::config::CConfigFileBase& source, const std::string& section) override;
     /** Writes each with its meaning as comment. */
@@ -253,6 +249,7 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
   /// @endcond
 
  private:
+  void takeSettings(const CDualElevationMap& o);
   void applyOptions();
   void forgetDerived();
   void drawScene() const;
@@ -261,10 +258,10 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
   void watch(const Frame& frame, const std::string& sensor);
   WholeMap& whole() const;
 
-  Backend m_backend;
-  int m_threads;
-  int m_device;  //!< of this machine: not written into streams
-  bool m_keep_whole;
+  Backend m_backend = Backend::Auto;
+  int m_threads = kAllCores;
+  int m_device = 0;  //!< of this machine: not written into streams
+  bool m_keep_whole = false;
   mutable std::unique_ptr<ElevationMapper> m_mapper;  //!< made on first use
   mutable std::unique_ptr<WholeMap> m_whole;  //!< the same, where it is kept
   mutable mrpt::maps::CSimplePointsMap::Ptr m_pointsCache;  //!< of getAsSimplePointsMap()
@@ -275,8 +272,19 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
   SensorNumbers m_sensors;  //!< of the labels of the observations
   FrameReport m_lastReport;
   std::unique_ptr<hints::HintFinder> m_hints;  //!< made with the first observation
-  bool m_hintsTold = false;
+  bool m_hintsDone = false;
   SensorPoints m_scratch;  //!< reused: no allocation per observation once warm
 };
+
+/** Makes the MRPT classes of this library known by name, for INI files and serialization. Programs
+ * that link the library call it once at start: it also makes their copy of the classes the one that
+ * counts when the plugin has been preloaded. Calling it again does no harm. */
+void register_mrpt_classes();
+
+/** The points of an observation in the frame of their sensor, as a cloud with the number of each
+ * one's label as its intensity: the one field of a point that clouds of all versions of MRPT write
+ * into logs. Throws std::invalid_argument unless there is a label for each point. */
+mrpt::maps::CPointsMap::Ptr labelled_cloud(
+    const SensorPoints& points, const std::vector<PointLabel>& labels);
 
 }  // namespace talus

@@ -3,6 +3,7 @@
 #include <mrpt/poses/CPose3D.h>
 #include <talus/frame.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -35,13 +36,33 @@ struct SensorPoints
  * rotating and 2D scans), `red`, `green` and `blue` from 0 to 255 (clouds with colours); from MRPT
  * 2.15 on all fields of clouds that are floats. NaN for points without.
  *
- * False for any other class, `out` is then untouched. Throws
- * std::runtime_error when a supported observation cannot be decoded (names class, label and
- * reason). */
+ * False for any other class, `out` is then untouched. Throws std::runtime_error when a supported
+ * observation cannot be decoded (names class, label and reason). */
 bool points_from_observation(const mrpt::obs::CObservation& obs, SensorPoints& out);
 
 /** The points as a frame, its sensor at `T_map_base (+) T_base_sensor`; without a path, and as
  * those of sensor 0: SensorNumbers gives each label its own. Valid as long as `points` stays. */
 Frame frame_from(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base);
+
+/** The same rigid transform without MRPT. */
+Pose pose_from(const mrpt::poses::CPose3D& pose);
+
+/** Frame::sensor of the sensors of one map, by their labels: in the order in which they appear. */
+class SensorNumbers
+{
+ public:
+  SensorNumbers() = default;
+  /** Of a map that has these already. */
+  explicit SensorNumbers(std::vector<std::string> labels) : labels_(std::move(labels)) {}
+
+  /** Throws std::invalid_argument for one sensor more than a map tells apart, kMaxSensors. */
+  std::uint32_t number_of(const std::string& label);
+
+  /** By number. */
+  const std::vector<std::string>& labels() const { return labels_; }
+
+ private:
+  std::vector<std::string> labels_;
+};
 
 }  // namespace talus

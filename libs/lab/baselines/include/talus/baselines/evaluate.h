@@ -17,7 +17,7 @@ struct EvaluationOptions
   double evaluate_from = 0.3;  //!< share of the drive before the first evaluated frame
   double picture_at = 0.7;  //!< share of the drive at which the pictures are taken
   sim::DriveOptions drive;  //!< of simulated worlds
-  /** Told after each frame of each step, such as "maps"; may be empty. */
+  /** Called after each frame of each step, such as "maps"; may be empty. */
   std::function<void(const char* step, int done, int total)> progress;
 };
 
@@ -29,7 +29,7 @@ struct Snapshot
   std::vector<float> true_ground_m, true_label;  //!< empty without truth; label with movers
   std::vector<std::pair<std::string, Surfaces>> maps;
   SparseGround sparse;  //!< talus's measured ground
-  std::vector<std::pair<std::string, std::vector<float>>> fills;  //!< talus's first
+  Fills fills;  //!< talus's first
 };
 
 /** One log or world through every method. */

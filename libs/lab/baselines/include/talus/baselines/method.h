@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-/** What talus is compared with: other ways from scans to ground, obstacles and passable cells, and
- * other ways to fill gaps. */
+/** What talus is compared with: other methods from scans to ground, obstacles and passable cells,
+ * and other methods to fill gaps. */
 namespace talus::baselines
 {
 /** What a map says about each cell of a window; index = iy * window.cells + ix, NaN: unknown. */
@@ -19,7 +19,7 @@ struct Surfaces
   std::vector<float> traversability;  //!< [0,1], 0: blocked
   std::vector<float>
       sparsity;  //!< [0,1], 0: likely a ditch; empty for methods without such a layer
-  std::vector<float> variance_m2;  //!< told of ground_m; empty for methods that tell none
+  std::vector<float> variance_m2;  //!< estimate of ground_m; empty for methods without
   std::vector<float> risk;  //!< see Method::risk(); empty where it was not asked
   std::vector<std::uint8_t> state;  //!< a CellState: where ground_m comes from
 
@@ -34,20 +34,18 @@ struct Surfaces
   bool passable(std::size_t i) const { return traversability[i] > 0.0f; }
 };
 
-/** One way to map. All get the same frames and the same parameters: window, resolution, range and
- * height band, thresholds. */
+/** One method to map. All get the same frames and the same parameters: window, resolution, range
+ * and height band, thresholds. */
 class Method
 {
  public:
   virtual ~Method() = default;
-  /** A short word: "talus", "octomap", ... */
-  virtual std::string name() const = 0;
   /** Takes in one frame. */
   virtual void update(const Frame& frame) = 0;
   /** The map around the sensor of the last frame, judged: the window that talus would show. What a
    * method computes on demand only (columns, features) is computed here. */
   virtual Surfaces read() = 0;
-  /** The risk of the cells of read(), see talus::risk(); empty for methods that tell none. */
+  /** The risk of the cells of read(), see talus::risk(); empty for methods without. */
   virtual std::vector<float> risk() { return {}; }
 };
 
@@ -56,6 +54,7 @@ struct MethodInfo
 {
   const char* name;
   const char* description;
+  std::unique_ptr<Method> (*make)(const Parameters&, Backend);
 };
 const std::vector<MethodInfo>& method_list();
 
@@ -75,7 +74,10 @@ struct MapPoint
  * those outside the window too. */
 std::vector<MapPoint> accepted_points(const Frame& frame, const Parameters& parameters);
 
-/** Index of the cell of a place, or -1 outside. */
+/** The lowest of the points in each cell of a window [m]; NaN: none. */
+std::vector<float> lowest_points(const std::vector<MapPoint>& points, const Window& window);
+
+/** Index of the cell at (x, y), or -1 outside. */
 int cell_index(const Window& window, double x_m, double y_m);
 struct Middle
 {

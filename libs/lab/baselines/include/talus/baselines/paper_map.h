@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/baselines/rolling_cells.h>
+#include <talus/baselines/window_cells.h>
 
 #include <limits>
 #include <map>
@@ -35,7 +35,6 @@ class PaperMap : public Method
 {
  public:
   explicit PaperMap(const Parameters& parameters) : parameters_(parameters) {}
-  std::string name() const override { return "paper"; }
   void update(const Frame& frame) override;
   Surfaces read() override;
 

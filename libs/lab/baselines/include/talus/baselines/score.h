@@ -57,11 +57,11 @@ struct Score
                           //!< ground in some frame so far
   Errors two_sided_unseen, one_sided;
   Errors presumed_ground;  //!< where the robot stood, or started
-  /** Of cells in tenths of the risk that the map tells, without those that it says to be
+  /** Of cells in tenths of the risk that the map estimates, without those that it says to be
    * impassable: those that are. Without platforms and what may be judged either way. */
   std::array<Share, kTenths> risky;
-  /** The errors of all of these heights beside the variances that the map tells of them; empty for
-   * methods that tell none. */
+  /** The errors of all of these heights beside the variances that the map estimates for them; empty
+   * for methods without. */
   HeightBars bars;
   /// @}
 
@@ -101,7 +101,7 @@ struct Score
   Share leak;  //!< of obstacle cells that have obstacle cells all around: reached
   Share leak_hit;  //!< the same of those that were hit themselves
   Share reach;  //!< of free cells that are truly reachable: reached
-  Share reach_seen;  //!< the same of those to which a way leads over ground that rays could have
+  Share reach_seen;  //!< the same of those to which a path leads over ground that rays could have
                      //!< met so far, two or more cells away from obstacles
   Share beyond;  //!< of free cells that are truly not reachable: reached
   /// @}
@@ -121,6 +121,8 @@ struct Score
   double memory_mb = 0;  //!< heap that the map holds after the last frame
   /// @}
 
+  /** Counts a cell of the window by where its ground comes from. */
+  void cover(CellState state);
   /** Largest distance up to which more than 5 % of a ring of 20 cells or more are blocked; NaN
    * without rings. */
   double inflation_cells() const;
@@ -131,7 +133,8 @@ struct Score
 
 /** Every figure by name, in the order of tables and files; NaN: not applicable. Errors give
  * `..._rmse_m`, `..._p95_m` and `..._n`. */
-std::vector<std::pair<std::string, double>> figures(const Score& score);
+using Figures = std::vector<std::pair<std::string, double>>;
+Figures figures(const Score& score);
 
 /** How one fill did, on the same cells as all others: those that talus filled and every other
  * fill, too, has a value for; free cells without movers. */
@@ -146,6 +149,6 @@ struct FillScore
 
   void add(const FillScore& other);
 };
-std::vector<std::pair<std::string, double>> figures(const FillScore& score);
+Figures figures(const FillScore& score);
 
 }  // namespace talus::baselines

@@ -15,7 +15,7 @@ struct ScanFrame
 {
   double stamp_s = 0;  //!< since the epoch
   double time_s = 0;  //!< since the first frame
-  Pose T_map_sensor;  //!< as the maps are told
+  Pose T_map_sensor;  //!< as the maps get it
   std::optional<Pose> T_base_sensor;  //!< where the sensor is on the robot, if that is known
   std::uint32_t sensor = 0;  //!< which of several
   std::size_t scan = 0;  //!< its number among the scans of its log, also those without a pose

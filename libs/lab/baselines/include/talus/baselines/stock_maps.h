@@ -12,7 +12,6 @@ class OctoMapMethod : public Method
 {
  public:
   explicit OctoMapMethod(const Parameters& parameters);
-  std::string name() const override { return "octomap"; }
   void update(const Frame& frame) override;
   /** Columns become surfaces, see read_column(); judged by judge_two_surfaces(). */
   Surfaces read() override;
@@ -37,13 +36,12 @@ Column read_column(
     const std::vector<bool>& occupied, double first_z_m, double resolution_m, double clearance_m);
 
 /** mrpt::maps::CHeightGridMap2D: the mean of all heights ever seen in a cell. It takes no point
- * clouds and does not grow, so points are inserted one by one and the grid is resized here. A place
- * so far off that the grid would take more than a gigabyte begins a new one. */
+ * clouds and does not grow, so points are inserted one by one and the grid is resized here. A
+ * position so far off that the grid would take more than a gigabyte begins a new one. */
 class HeightGridMethod : public Method
 {
  public:
   explicit HeightGridMethod(const Parameters& parameters);
-  std::string name() const override { return "heightgrid"; }
   void update(const Frame& frame) override;
   Surfaces read() override;
 

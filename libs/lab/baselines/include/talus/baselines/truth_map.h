@@ -1,5 +1,5 @@
 #pragma once
-#include <talus/parameters.h>
+#include <talus/baselines/method.h>
 #include <talus/sim/truth.h>
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace talus::baselines
 {
-/** What a place is like, for errors by kind of terrain. */
+/** What the ground is like, for errors by kind of terrain. */
 enum class Terrain : std::uint8_t
 {
   Flat = 0,
@@ -43,6 +43,13 @@ class TruthMap
     return inside ? static_cast<int>(iy * truth.window.cells_x + ix) : -1;
   }
   std::size_t size() const { return truth.ground.size(); }
+  /** The middle of a cell [m]. */
+  Middle middle(std::size_t i) const
+  {
+    const sim::TruthWindow& w = truth.window;
+    const int at = static_cast<int>(i), x = at % w.cells_x, y = at / w.cells_x;
+    return {w.min_x_m + (x + 0.5) * w.resolution_m, w.min_y_m + (y + 0.5) * w.resolution_m};
+  }
 
   bool known(std::size_t i) const { return truth.label[i] == truth.label[i]; }
   bool free(std::size_t i) const { return truth.label[i] == 1.0f; }
@@ -73,7 +80,7 @@ class TruthMap
   /** 1: on a solid, level top more than a metre wide, inside its outermost cells. A step in the
    * ground of that shape gives the same scans, and its top is free: what blocks is the edge. */
   std::vector<std::uint8_t> platform;
-  std::vector<std::uint8_t> climbable;  //!< 1: platform with a way up, no step too high
+  std::vector<std::uint8_t> climbable;  //!< 1: platform with a path up, no step too high
   std::vector<std::uint8_t> vertical;  //!< 1: blocked by an object higher than the step threshold
   std::vector<std::uint8_t> ditch;  //!< 1: 0.3 m or more below what a 1.5 m wide board would span
   std::vector<int> post;  //!< number of the thin upright thing that stands here, or -1
@@ -84,7 +91,7 @@ class TruthMap
   void classify_terrain();
   void find_islets(const Parameters& parameters);
   void find_platforms(const Parameters& parameters);
-  std::vector<std::uint8_t> level_tops(const Parameters& parameters, bool all_ways) const;
+  std::vector<std::uint8_t> level_tops(const Parameters& parameters, bool all_around) const;
   std::vector<std::uint8_t> climbed_tops(
       const std::vector<std::uint8_t>& level, float step_m) const;
   void measure_distances();

@@ -15,9 +15,10 @@ struct DriveOptions
   std::optional<std::uint64_t> seed;
   std::optional<double> noise_m;  //!< standard deviation of a range
   std::optional<double> noise_per_m;  //!< its growth with the range [m/m]
-  std::optional<int> frames;  //!< at most so many
-  int every = 1;  //!< of each sensor's sweeps, only the first of so many
-  /** A sweep becomes so many frames by its columns, each with the stamp and pose of its first. */
+  std::optional<int> frames;  //!< the maximum number
+  int every = 1;  //!< of each sensor's sweeps, only one of this number, the first
+  /** A sweep becomes this number of frames by its columns, each with the stamp and pose of its
+   * first. */
   int cut_frames = 1;
   double pose_noise_m = 0;  //!< standard deviation of the noisy pose in x, y and z
   double angle_noise_rad = 0;  //!< the same in roll, pitch and yaw
@@ -61,7 +62,7 @@ class Drive
     int sweep, cut;
     int pose;  //!< the first frame of the same time: they share the noise of the pose
   };
-  const FrameAt& at(int frame) const { return frames_[static_cast<std::size_t>(frame)]; }
+  const FrameAt& at(int frame) const { return frames_[frame]; }
   const SensorSetup& setup(int frame) const { return world_.sensors[at(frame).sensor]; }
   int first_column(std::size_t sensor, int cut) const;
   void list_frames();

@@ -13,7 +13,7 @@ namespace talus::sim
 struct Curvature
 {
   double max_slope = 0;  //!< largest |gradient| [m/m]
-  double min_m = 0, max_m = 0;  //!< least and greatest height
+  double min_m = 0, max_m = 0;  //!< minimum and maximum height
 };
 
 /** One term of the ground; the heights of all terms add up. A part is made of pieces: inside a
@@ -23,17 +23,17 @@ class GroundPart
 {
  public:
   virtual ~GroundPart() = default;
-  /** Height [m] at a place of the map frame. */
+  /** Height [m] at (x, y) in the map frame. */
   virtual double height_m(double x_m, double y_m) const = 0;
   /** Appends the ranges at which a ray, seen from above, goes from one piece to another. */
-  virtual void breaks(const Ray& ray, std::vector<double>& ranges_m) const = 0;
+  virtual void breaks(const Ray&, std::vector<double>& /*ranges_m*/) const {}
   /** Whether height_m() is curved anywhere; if not, it is linear on every piece. */
   virtual bool curved() const { return false; }
-  /** Bounds on the piece that holds this place; for curved parts only. */
-  virtual Curvature curvature(double, double) const { return {}; }
+  /** Bounds on the piece that holds (x, y); for curved parts only. */
+  virtual Curvature curvature(double, double) const { return bounds(); }
   /** False where the part has no height of its own (beyond the border of an image). */
   virtual bool defined(double, double) const { return true; }
-  /** Least and greatest height; infinite when unbounded. */
+  /** Minimum and maximum height; infinite when unbounded. */
   virtual Curvature bounds() const = 0;
 };
 
@@ -48,7 +48,7 @@ struct Knot
   double u_m = 0, height_m = 0;
 };
 /** A profile extruded sideways: piecewise linear along the axis `yaw_rad` from (x_m, y_m), constant
- * before the first knot and after the last, two knots at one place make a vertical face. Beyond
+ * before the first knot and after the last, two knots at one distance make a vertical face. Beyond
  * half the width to either side the height is 0 (vertical faces). Ramps, steps and ditches are
  * strips. */
 GroundPartPtr make_strip(
@@ -77,11 +77,10 @@ struct HeightImage
  * the height of its border goes on. */
 GroundPartPtr make_image(
     HeightImage image, double x_m, double y_m, double pixel_m, double min_m, double max_m);
-/** Reads a PGM file (P2 or P5, 8 or 16 bit). Throws std::invalid_argument naming file and reason.
- */
+/** Reads a PGM file (P2 or P5, 8 or 16 bit). Throws std::invalid_argument with file and reason. */
 HeightImage read_pgm(const std::string& path);
 
-/** The ground: one height for every place of the map frame. */
+/** The ground: one height for each (x, y) of the map frame. */
 class Ground
 {
  public:

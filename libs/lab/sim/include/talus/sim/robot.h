@@ -5,20 +5,20 @@
 
 namespace talus::sim
 {
-/** The way of a robot over the ground, and over decks: of several floors it is on the highest that
+/** The path of a robot over the ground, and over decks: of several floors it is on the highest that
  * is no more than a step above the one from which it comes. */
 class RobotPath
 {
  public:
-  /** The way of the world's robot. Keeps a reference to the world. */
+  /** The path of the world's robot. Keeps a reference to the world. */
   explicit RobotPath(const World& world);
 
   /** Length of the curve seen from above [m]. */
   double length_m() const { return points_.back().distance_m; }
-  /** Of the drive [s]: what its setup says, else as long as the way takes. */
+  /** Of the drive [s]: what its setup says, else as long as the path takes. */
   double duration_s() const;
-  /** How long the way takes, lifts included [s]. */
-  double way_s() const;
+  /** How long the path takes, lifts included [s]. */
+  double path_s() const;
   /** Distance driven by a time [m]. */
   double distance_m(double time_s) const;
 
@@ -27,10 +27,10 @@ class RobotPath
    * that height until it comes to one. */
   Pose T_map_base(double time_s) const;
 
-  /** Smallest horizontal distance from a place to the curve [m]. */
+  /** Smallest horizontal distance from (x, y) to the curve [m]. */
   double distance_to_m(double x_m, double y_m) const;
 
-  /** Corners of the curve's bounding box: least and greatest x and y; z is 0. */
+  /** Corners of the curve's bounding box: minimum and maximum x and y; z is 0. */
   Bounds bounds() const;
 
  private:

@@ -74,7 +74,7 @@ class ShapeTree
   };
   std::optional<Hit> cast(const Ray& ray, double max_m, std::uint64_t chance, double time_s) const;
 
-  /** Appends the heights [m] between which the vertical line at a place is inside a shape that is
+  /** Appends the heights [m] between which the vertical line at (x, y) is inside a shape that is
    * there at a time and no grass. */
   void column(double x_m, double y_m, double time_s, std::vector<Span>& heights_m) const;
 
@@ -95,7 +95,7 @@ class ShapeTree
   std::vector<Node> nodes_;
 };
 
-/** Appends the heights between which the vertical line at a place is inside a shape. */
+/** Appends the heights between which the vertical line at (x, y) is inside a shape. */
 void column(const Shape& shape, double x_m, double y_m, std::vector<Span>& heights_m);
 
 }  // namespace talus::sim

@@ -29,12 +29,12 @@ struct TruthOptions
   /** Where floors are above each other, the ground of a cell is the highest of them that is no more
    * than max_step_m above this height; not given: what is below all decks. */
   std::optional<double> level_m;
-  int samples = 5;  //!< a cell is judged from samples * samples places well inside it
+  int samples = 5;  //!< a cell is judged from samples * samples points well inside it
 };
 
 /** What is really there, one float a cell, index = iy * cells_x + ix, heights in the map frame.
  *
- * At each sampled place of a cell the objects above are climbed from the ground: an object joins
+ * At each sample of a cell the objects above are climbed from the ground: an object joins
  * what stands as long as its underside is no more than the clearance above the top of what is
  * below; at the first larger gap all that is above hangs.
  *
@@ -42,15 +42,15 @@ struct TruthOptions
  * - `obstacle_top` [m]: highest top of what stands or hangs too low, also of what is low enough to
  * be driven over; NaN where there is nothing.
  * - `underside` [m]: lowest underside with more than 1 cm of air below it; NaN where nothing hangs.
- * - `label`: 0 (blocked) if at any sampled place what stands is higher than min_obstacle_m above
+ * - `label`: 0 (blocked) if at any sample what stands is higher than min_obstacle_m above
  *   the ground, if the mean gradient of the ground in the cell is steeper than max_slope_rad and
  *   a stretch through its centre that is so steep rises by more than max_step_m, or if a vertical
  *   face of the ground higher than that is in the cell or on its border. 1 (free) otherwise. NaN
  *   where the ground is not defined: beyond the border of a height image; the other layers are
  *   then NaN too.
- * - `covered`: of blocked cells, the share of the sampled places at which something stands higher
+ * - `covered`: of blocked cells, the share of the samples at which something stands higher
  * than min_obstacle_m, or, if that is more, beside which the ground is too steep; 0 in free cells.
- * - `solid`: share of the sampled places at which something stands that has neither air nor foliage
+ * - `solid`: share of the samples at which something stands that has neither air nor foliage
  * from the ground to its top.
  */
 struct Truth

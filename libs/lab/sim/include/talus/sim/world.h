@@ -22,7 +22,7 @@ struct Mover
   std::vector<Shape> shapes;  //!< in its own frame: x forward, z up, origin on the ground
   std::vector<Stop> path;  //!< one or more, ascending in time
 
-  /** Where it is at a time, with z = 0; it faces the way it goes. */
+  /** Where it is at a time, with z = 0; it faces where it goes. */
   Pose pose(double time_s) const;
   /** The same with its origin on the ground. */
   Pose on_ground(double time_s, const Ground& ground) const;
@@ -38,13 +38,13 @@ struct Lift
   double z_m = 0;  //!< negative: it is let down
 };
 
-/** The robot and its way, map frame. */
+/** The robot and its path, map frame. */
 struct RobotSetup
 {
   std::vector<Vec3> waypoints;  //!< one or more, z unused; a smooth curve goes through all
   double yaw_rad = 0;  //!< heading where there is only one waypoint
   double speed_mps = 1.0;  //!< along the curve seen from above
-  double duration_s = 0;  //!< of the drive; the robot waits at the end of its way
+  double duration_s = 0;  //!< of the drive; the robot waits at the end of its path
   double wheelbase_m = 0.45, track_m = 0.45;  //!< between the wheels, lengthwise and sideways
   std::vector<Lift> lifts;  //!< ascending in time, one after the other
   std::vector<Shape> body;  //!< what its sensors see of the robot itself, in the frame of its base
@@ -65,7 +65,7 @@ struct SensorSetup
 /** How a localisation errs. */
 struct PoseErrors
 {
-  /** From a time on the poses are shifted along the axes of the map, and turned about the place
+  /** From a time on the poses are shifted along the axes of the map, and turned about the point
    * at which the robot was said to be. */
   struct Jump
   {
@@ -99,7 +99,7 @@ struct World
   PoseErrors poses;
 
   const Ground& ground_at(double time_s) const;
-  /** The highest floor at a place and a time that is not above `highest_m`: the top of a deck, or
+  /** The highest floor at (x, y) and a time that is not above `highest_m`: the top of a deck, or
    * the ground, below which there is no other. */
   double floor_m(double x_m, double y_m, double time_s, double highest_m) const;
 };
@@ -121,7 +121,7 @@ class Scene
    * foliage. */
   std::optional<Hit> cast(const Ray& ray, double max_m, std::uint64_t chance = 0) const;
 
-  /** Replaces `heights_m` by the heights between which the vertical line at a place is inside an
+  /** Replaces `heights_m` by the heights between which the vertical line at (x, y) is inside an
    * object, one entry for each object, from the lowest up. Foliage counts as full, grass is
    * nothing. */
   void column(double x_m, double y_m, std::vector<Span>& heights_m) const;

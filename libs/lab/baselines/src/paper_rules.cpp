@@ -1,12 +1,10 @@
-#include <talus/baselines/cell_line.h>
+#include <opencv2/core.hpp>
 #include <talus/baselines/paper_map.h>
+#include <talus/baselines/fills.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/core.hpp>
-
-#include "nan.h"
 
 namespace talus::baselines
 {
@@ -29,7 +27,7 @@ struct Around
     for (int y = std::max(iy - radius, 0); y <= std::min(iy + radius, w.cells - 1); ++y)
       for (int x = std::max(ix - radius, 0); x <= std::min(ix + radius, w.cells - 1); ++x)
       {
-        const PaperCell& c = cells[static_cast<std::size_t>(y * w.cells + x)];
+        const PaperCell& c = cells[y * w.cells + x];
         if (!c.has_ground()) continue;
         ground_m.emplace_back(x * w.resolution_m, y * w.resolution_m, c.ground_m);
         lowest_ground_m = std::min(lowest_ground_m, static_cast<double>(c.ground_m));
@@ -47,7 +45,7 @@ struct Around
   bool is_dense() const { return kDenseOneIn * measured >= side * side; }
 };
 
-/** Angle between the normal of the plane of least distance and the z axis. Level with fewer than
+/** Angle between the normal of the plane of minimum distance and the z axis. Level with fewer than
  * three cells. */
 double slope_rad(const Around& around, const cv::Vec3d& mean_m)
 {
@@ -61,7 +59,7 @@ double slope_rad(const Around& around, const cv::Vec3d& mean_m)
   cv::Matx33d axes, rest;
   cv::Matx31d spreads;
   cv::SVD::compute(scatter, spreads, rest, axes);
-  return std::acos(std::min(std::abs(axes(2, 2)), 1.0));  // the row of the least spread
+  return std::acos(std::min(std::abs(axes(2, 2)), 1.0));  // the row of the minimum spread
 }
 
 /** Eq. 10 to 13. At most 1: eq. 11 and 12 are more in a hollow. */
@@ -85,10 +83,10 @@ float first_ground_m(
   {
     const int at = line(line.steps() + direction * k);
     if (at < 0) break;
-    const PaperCell& c = cells[static_cast<std::size_t>(at)];
+    const PaperCell& c = cells[at];
     if (c.state == CellState::Measured) return c.ground_m;
   }
-  return kNan;
+  return NAN;
 }
 
 /** Eq. 14. NaN where only one side has ground, or none. */
@@ -99,7 +97,50 @@ float sparsity(
   const float outer_m = first_ground_m(cells, line, 1, p.sparsity_search_m);
   const double steps = std::abs(inner_m - outer_m) / p.step_threshold_m;
   const double share = steps >= 1 ? p.sparsity_distance_m / distance_m : 1.0;
-  return std::isnan(steps) ? kNan : static_cast<float>(std::max(1 - steps * share, 0.0));
+  return std::isnan(steps) ? NAN : static_cast<float>(std::max(1 - steps * share, 0.0));
+}
+
+constexpr double kLambda = 1;  //!< weight of the prior, see eq. 8; the paper's value
+
+/** What one direction of the line search found. */
+struct Side
+{
+  int samples = 0;
+  int gap_cells = 0;  //!< before the first sample: n1, n2 of eq. 9
+  double height_m = 0;  //!< eq. 8
+};
+
+/** Eq. 8 with the lowest sample as the prior. `direction`: 1 away from the sensor, -1 towards it
+ * (and on behind it). */
+Side search(const PaperCells& cells, const CellLine& line, int direction, const Parameters& p)
+{
+  Side side;
+  double weights = 0, weighted_m = 0, lowest_m = std::numeric_limits<double>::infinity();
+  const auto farthest = static_cast<int>(p.fill_search_m / line.step_m());
+  for (int k = 1; k <= farthest; ++k)
+  {
+    const int at = line(line.steps() + direction * k);
+    if (at < 0) break;
+    const PaperCell& c = cells[at];
+    if (c.state != CellState::Measured) continue;
+    if (side.samples++ == 0) side.gap_cells = k - 1;
+    const double weight = sparse_kernel(k * line.step_m(), p.fill_kernel_m);
+    weights += weight;
+    weighted_m += weight * c.ground_m;
+    lowest_m = std::min(lowest_m, static_cast<double>(c.ground_m));
+  }
+  side.height_m = (kLambda * lowest_m + weighted_m) / (kLambda + weights);
+  return side;
+}
+
+/** Eq. 9. */
+double combine(const Side& a, const Side& b)
+{
+  const Side& low = a.height_m <= b.height_m ? a : b;
+  const Side& high = a.height_m <= b.height_m ? b : a;
+  const int n_low = low.gap_cells, n_high = high.gap_cells;
+  if (n_low + n_high == 0) return (low.height_m + high.height_m) / 2;  // 0 / 0: a gap of one cell
+  return ((n_low + n_high) * low.height_m + n_high * high.height_m) / (n_low + 2 * n_high);
 }
 
 }  // namespace
@@ -110,7 +151,7 @@ void judge_as_printed(
   const int n = cells.window().cells;
   const int radius =
       std::max(static_cast<int>(std::lround(p.feature_radius_m / p.resolution_m)), 1);
-  s.sparsity.assign(cells.size(), kNan);
+  s.sparsity.assign(cells.size(), NAN);
   for (int i = 0; i < n * n; ++i)
   {
     const auto at = static_cast<std::size_t>(i);
@@ -124,6 +165,23 @@ void judge_as_printed(
     if (suspicious) s.sparsity[at] = sparsity(cells, line, distance_m, p);
     s.traversability[at] = suspicious ? s.sparsity[at] : judge(c, around, p);
   }
+}
+
+PaperFill infer_as_printed(
+    const PaperCells& cells, const Pose& T_map_sensor, int cell, const Parameters& p)
+{
+  const int n = cells.window().cells;
+  const CellLine line(cells.window(), T_map_sensor, cell % n, cell / n);
+  PaperFill fill{0, CellState::Unknown};
+  if (line.steps() == 0) return fill;
+  const Side inner = search(cells, line, -1, p), outer = search(cells, line, 1, p);
+  if (inner.samples > 0 && outer.samples > 0)
+    fill = {static_cast<float>(combine(inner, outer)), CellState::FilledTwoSided};
+  else if (inner.samples > 0 || outer.samples > 0)
+    fill = {
+        static_cast<float>(inner.samples > 0 ? inner.height_m : outer.height_m),
+        CellState::FilledOneSided};
+  return fill;
 }
 
 }  // namespace talus::baselines
