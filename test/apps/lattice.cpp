@@ -9,7 +9,7 @@
 
 #include "apps/lab/talus-nav/ground_cost.h"
 #include "apps/lab/talus-nav/follow.h"
-#include "apps/lab/talus-nav/unseen.h"
+#include "apps/lab/talus-nav/unseen_cells.h"
 
 namespace
 {
@@ -250,7 +250,7 @@ TEST(ClearTime, is_short_before_edges_and_longer_before_walls_where_it_is_narrow
 
 TEST(Unseen, blocks_what_was_not_seen_from_nearby_until_it_was_seen)
 {
-  talus::nav::Unseen unseen;
+  talus::nav::UnseenCells unseen;
   Floor floor;
   EXPECT_FALSE(unseen.block(floor.grid));
   unseen.remember({-1, 0, 0}, floor.grid, Floor().with(kDrop, -0.4, 0, -0.2, 0.2).grid);

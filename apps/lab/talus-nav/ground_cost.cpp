@@ -88,7 +88,7 @@ double GroundCost::cost(const MapView& map, const mrpt::math::TPose2D& robot) co
   cost = 0;
   if (!is_even(middle))
     cost = static_cast<float>(
-        heading_cost(map, footprint_, {middle.x, middle.y, heading_rad(heading)}).cost);
+        heading_cost(map, footprint_, Pose2{middle.x, middle.y, heading_rad(heading)}).cost);
   return cost;
 }
 

@@ -1,7 +1,7 @@
 #include "mission.h"
 
 #include "follow.h"
-#include "unseen.h"
+#include "unseen_cells.h"
 
 #include <mrpt/core/Clock.h>
 
@@ -197,7 +197,7 @@ class Mission
   Pilot& pilot_;
   Route& route_;
   Retreat retreat_;
-  Unseen unseen_;
+  UnseenCells unseen_;
   const MissionOptions& o_;
   mrpt::math::TPose2D looks_from_{1e9, 1e9, 0};
   int looks_ = 0;  //!< plans from about there over what was not seen

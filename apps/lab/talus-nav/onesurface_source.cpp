@@ -28,8 +28,7 @@ class OneSurfaceSource : public MapSource
   OneSurfaceSource(const Parameters& p, const ObstacleOptions& options)
       : parameters_(p), options_(options), map_(baselines::make_method("highest", p))
   {
-    options_.unseen =
-        talus::Unseen::Free;  // it knows nothing of the ground below a robot that starts
+    options_.unseen = Unseen::Free;  // it knows nothing of the ground below a robot that starts
   }
 
   void insert(

@@ -44,7 +44,7 @@ class TerrainSource : public MapSource
       const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
   {
     ObstacleOptions o = options_;
-    o.unseen = talus::Unseen::Free;
+    o.unseen = Unseen::Free;
     talus::update_costmap(map_, T_map_base, o, grid);
   }
 
@@ -58,7 +58,7 @@ class TerrainSource : public MapSource
       const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps, double width_m) override
   {
     const auto ahead_m = [&](const ObstacleOptions& o)
-    { return known_ahead_m(map_, T_map_base, v_mps, w_radps, width_m, o); };
+    { return known_ahead_m(map_, pose_from(T_map_base), v_mps, w_radps, width_m, o); };
     const double dared_m = ahead_m(options_);
     if (options_.drops == Drops::Avoid) return {dared_m, dared_m};
     ObstacleOptions careful = options_;
@@ -95,7 +95,7 @@ Around look_around(
     const std::vector<double>& prism_heights_m, double within_m)
 {
   Around out;
-  const auto cells = classify_cells(map, T_map_base, options);
+  const auto cells = classify_cells(map, pose_from(T_map_base), options);
   const auto edges = find_edges(map, T_map_base, cells);
   const Window w = map.window();
   const mrpt::math::TPose2D here(T_map_base.x(), T_map_base.y(), T_map_base.yaw());

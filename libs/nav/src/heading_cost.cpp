@@ -1,4 +1,4 @@
-#include <talus/mrpt/heading_cost.h>
+#include <talus/nav/heading_cost.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 #include "surface_view.h"
 
-namespace talus
+namespace talus::nav
 {
 namespace
 {
@@ -32,13 +32,13 @@ struct Plane
 class CellsBelow
 {
  public:
-  CellsBelow(const MapView& map, const mrpt::math::TPose2D& T_map_base)
+  CellsBelow(const MapView& map, const Pose2& T_map_base)
       : window_(map.window()),
         ground_(map.layer(Layer::GroundElevation)),
         elevation_(map.layer(Layer::Elevation)),
         pose_(T_map_base),
-        cos_(std::cos(pose_.phi)),
-        sin_(std::sin(pose_.phi))
+        cos_(std::cos(pose_.yaw_rad)),
+        sin_(std::sin(pose_.yaw_rad))
   {
   }
 
@@ -50,18 +50,18 @@ class CellsBelow
     const double mid_x = (min_x_m + max_x_m) / 2, mid_y = (min_y_m + max_y_m) / 2;
     const double half_x = (max_x_m - min_x_m) / 2, half_y = (max_y_m - min_y_m) / 2;
     const auto [first_x, last_x] = cells_between(
-        pose_.x + cos_ * mid_x - sin_ * mid_y - window_.min_x_m(),
+        pose_.x_m + cos_ * mid_x - sin_ * mid_y - window_.min_x_m(),
         std::abs(cos_) * half_x + std::abs(sin_) * half_y);
     const auto [first_y, last_y] = cells_between(
-        pose_.y + sin_ * mid_x + cos_ * mid_y - window_.min_y_m(),
+        pose_.y_m + sin_ * mid_x + cos_ * mid_y - window_.min_y_m(),
         std::abs(sin_) * half_x + std::abs(cos_) * half_y);
     const double resolution_m = window_.resolution_m;
     for (int iy = first_y; iy <= last_y; ++iy)
     {
-      const double dy = window_.min_y_m() + (iy + 0.5) * resolution_m - pose_.y;
+      const double dy = window_.min_y_m() + (iy + 0.5) * resolution_m - pose_.y_m;
       for (int ix = first_x; ix <= last_x; ++ix)
       {
-        const double dx = window_.min_x_m() + (ix + 0.5) * resolution_m - pose_.x;
+        const double dx = window_.min_x_m() + (ix + 0.5) * resolution_m - pose_.x_m;
         const double from_mid_x = cos_ * dx + sin_ * dy - mid_x;
         const double from_mid_y = cos_ * dy - sin_ * dx - mid_y;
         if (std::abs(from_mid_x) <= half_x && std::abs(from_mid_y) <= half_y)
@@ -72,11 +72,11 @@ class CellsBelow
 
   /** The same of a wheel. */
   template <class Visit>
-  void each_under(const mrpt::math::TPoint2D& wheel, double radius_m, Visit visit) const
+  void each_under(const Point2& wheel, double radius_m, Visit visit) const
   {
     // At least the cell in which its middle lies.
     const double r = std::max(radius_m, 0.75 * window_.resolution_m);
-    each_in(wheel.x - r, wheel.x + r, wheel.y - r, wheel.y + r, visit);
+    each_in(wheel.x_m - r, wheel.x_m + r, wheel.y_m - r, wheel.y_m + r, visit);
   }
 
  private:
@@ -96,12 +96,12 @@ class CellsBelow
   {
     const auto cell = static_cast<std::size_t>(iy) * static_cast<std::size_t>(window_.cells) +
                       static_cast<std::size_t>(ix);
-    return detail::top_of(ground_[cell], elevation_[cell]);
+    return top_of(ground_[cell], elevation_[cell]);
   }
 
   Window window_;
   const std::vector<float>&ground_, &elevation_;
-  mrpt::math::TPose2D pose_;
+  Pose2 pose_;
   double cos_, sin_;
 };
 
@@ -112,8 +112,7 @@ struct Spot
 };
 
 /** What is known under a wheel. */
-std::vector<Spot> spots_under(
-    const CellsBelow& cells, const mrpt::math::TPoint2D& wheel, const Footprint& robot)
+std::vector<Spot> spots_under(const CellsBelow& cells, const Point2& wheel, const Footprint& robot)
 {
   std::vector<Spot> out;
   out.reserve(32);
@@ -173,17 +172,17 @@ double clearance_under(const CellsBelow& cells, const Footprint& robot, const Pl
   return clearance;
 }
 
-void require_usable(const Footprint& robot, const mrpt::math::TPose2D& pose)
+void require_usable(const Footprint& robot, const Pose2& pose)
 {
-  if (!(std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.phi)))
+  if (!(std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.yaw_rad)))
     throw std::invalid_argument("heading_cost(): the pose is not finite");
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const auto& w : robot.wheels) middle += Eigen::Vector2d(w.x, w.y);
+  for (const auto& w : robot.wheels) middle += Eigen::Vector2d(w.x_m, w.y_m);
   middle /= std::max(1.0, static_cast<double>(robot.wheels.size()));
   for (const auto& w : robot.wheels)
   {
-    const Eigen::Vector2d from = Eigen::Vector2d(w.x, w.y) - middle;
+    const Eigen::Vector2d from = Eigen::Vector2d(w.x_m, w.y_m) - middle;
     spread += from * from.transpose();
   }
   if (!(spread.determinant() > 1e-12))
@@ -197,8 +196,7 @@ void require_usable(const Footprint& robot, const mrpt::math::TPose2D& pose)
 }
 }  // namespace
 
-HeadingCost heading_cost(
-    const MapView& map, const Footprint& robot, const mrpt::math::TPose2D& T_map_base)
+HeadingCost heading_cost(const MapView& map, const Footprint& robot, const Pose2& T_map_base)
 {
   require_usable(robot, T_map_base);
   if (map.empty()) return kUnknown;
@@ -223,4 +221,4 @@ HeadingCost heading_cost(
   return found;
 }
 
-}  // namespace talus
+}  // namespace talus::nav

@@ -1,13 +1,13 @@
 #pragma once
 #include <talus/map_view.h>
-#include <talus/mrpt/obstacles.h>
+#include <talus/nav/obstacles.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
 
-namespace talus::detail
+namespace talus::nav
 {
 /** The highest known surface of a cell [m]; NaN where nothing is known. */
 inline double top_of(float ground_m, float elevation_m)
@@ -77,7 +77,6 @@ struct JudgedCells
   std::vector<Passage> passages;
   std::vector<bool> doubtful;
 };
-JudgedCells judge_cells(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
+JudgedCells judge_cells(const MapView& map, const Pose& T_map_base, const ObstacleOptions& o);
 
-}  // namespace talus::detail
+}  // namespace talus::nav

@@ -1,8 +1,9 @@
-#include <talus/mrpt/obstacles.h>
+#include <talus/nav/obstacles.h>
 #include <talus/risk.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -11,17 +12,14 @@
 #include "falls.h"
 #include "surface_view.h"
 
-namespace talus
+namespace talus::nav
 {
 namespace
 {
-using detail::kObject_m;
-using detail::SurfaceView;
-
 /** A comparison with NaN, or a choice that is none, makes nothing an obstacle. */
-void require_sound(const mrpt::poses::CPose3D& T, const ObstacleOptions& o)
+void require_sound(const Pose& T, const ObstacleOptions& o)
 {
-  if (!std::isfinite(T.x() + T.y() + T.z() + T.yaw() + T.pitch() + T.roll()))
+  if (!std::isfinite(std::accumulate(T.m.begin(), T.m.end(), 0.0)))
     throw std::invalid_argument("the pose of the robot among the obstacles is not finite");
   if (std::isnan(
           o.blocked_at + o.risk_at + o.seen_within_m + o.body_radius_m + o.range_m + o.spacing_m +
@@ -294,7 +292,7 @@ class Judge
         view_.window, ix, iy, reach_, [&](int x, int y) { return !is_filled(view_.index(x, y)); });
   }
 
-  std::optional<detail::Falls> falls_;  //!< where they are asked for
+  std::optional<Falls> falls_;  //!< where they are asked for
   SurfaceView view_;
   double level_m_;
   Surroundings around_;
@@ -337,7 +335,7 @@ class Arc
   double radius_m_;  //!< its centre is there to the left
 };
 
-double to_border_m(const Window& w, const mrpt::poses::CPose3D& T)
+double to_border_m(const Window& w, const Pose& T)
 {
   const double side_m = w.cells * w.resolution_m;
   const double x = T.x() - w.min_x_m(), y = T.y() - w.min_y_m();
@@ -345,8 +343,7 @@ double to_border_m(const Window& w, const mrpt::poses::CPose3D& T)
 }
 }  // namespace
 
-detail::JudgedCells detail::judge_cells(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
+JudgedCells judge_cells(const MapView& map, const Pose& T_map_base, const ObstacleOptions& o)
 {
   require_sound(T_map_base, o);
   const Judge judge(map, T_map_base.z(), o);
@@ -367,9 +364,9 @@ detail::JudgedCells detail::judge_cells(
 }
 
 std::vector<Passage> classify_cells(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
+    const MapView& map, const Pose& T_map_base, const ObstacleOptions& o)
 {
-  return detail::judge_cells(map, T_map_base, o).passages;
+  return judge_cells(map, T_map_base, o).passages;
 }
 
 std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o)
@@ -385,7 +382,7 @@ std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o)
 }
 
 std::vector<bool> find_edges(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const std::vector<Passage>& cells)
+    const MapView& map, const Pose& T_map_base, const std::vector<Passage>& cells)
 {
   const Surroundings around(map);
   const auto& traversability = map.layer(Layer::Traversability);
@@ -401,8 +398,8 @@ std::vector<bool> find_edges(
 }
 
 double known_ahead_m(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps,
-    double width_m, const ObstacleOptions& o)
+    const MapView& map, const Pose& T_map_base, double v_mps, double w_radps, double width_m,
+    const ObstacleOptions& o)
 {
   if (map.empty()) return 0;
   require_sound(T_map_base, o);
@@ -410,7 +407,7 @@ double known_ahead_m(
   const Judge judge(map, T_map_base.z(), o);
   const SurfaceView& view = judge.view();
   const Arc arc(v_mps, w_radps);
-  const double c = std::cos(T_map_base.yaw()), s = std::sin(T_map_base.yaw());
+  const double yaw_rad = yaw_of(T_map_base), c = std::cos(yaw_rad), s = std::sin(yaw_rad);
   double known_m = std::min(o.range_m, to_border_m(view.window, T_map_base));
   for (int iy = 0; iy < view.window.cells; iy++)
     for (int ix = 0; ix < view.window.cells; ix++)
@@ -433,4 +430,4 @@ double stopping_speed_mps(double distance_m, double reaction_s, double decelerat
   return std::sqrt(lost_mps * lost_mps + 2 * deceleration_mps2 * distance_m) - lost_mps;
 }
 
-}  // namespace talus
+}  // namespace talus::nav

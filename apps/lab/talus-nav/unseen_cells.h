@@ -9,7 +9,7 @@ namespace talus::nav
 {
 /** Remembers what blocked because it was not seen from nearby. From farther away it blocks no more,
  * and a robot without this memory turns back to it again and again. */
-class Unseen
+class UnseenCells
 {
  public:
   /** `costmap` and the same one with more blocked, because it must have been seen by now. */

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-namespace talus::detail
+namespace talus::nav
 {
 namespace
 {
@@ -153,4 +153,4 @@ Falls::Fall Falls::fall(const End& high, const End& low) const
   return {fall_m > kGentle * length_m, fall_m > explained_m};
 }
 
-}  // namespace talus::detail
+}  // namespace talus::nav

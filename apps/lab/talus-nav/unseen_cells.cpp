@@ -1,4 +1,4 @@
-#include "unseen.h"
+#include "unseen_cells.h"
 
 #include "planning_grid.h"
 
@@ -21,7 +21,7 @@ std::pair<int, int> first_cell(const COccupancyGridMap2D& grid)
 }
 }  // namespace
 
-void Unseen::remember(
+void UnseenCells::remember(
     const mrpt::math::TPose2D& robot, const COccupancyGridMap2D& costmap,
     const COccupancyGridMap2D& blocked)
 {
@@ -42,7 +42,7 @@ void Unseen::remember(
     }
 }
 
-bool Unseen::block(COccupancyGridMap2D& costmap) const
+bool UnseenCells::block(COccupancyGridMap2D& costmap) const
 {
   const auto [first_x, first_y] = first_cell(costmap);
   bool any = false;

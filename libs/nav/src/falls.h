@@ -10,7 +10,7 @@
 
 #include "surface_view.h"
 
-namespace talus::detail
+namespace talus::nav
 {
 constexpr float kObject_m = 0.1F;  // lower than this nothing stands in the way
 
@@ -66,4 +66,4 @@ class Falls
   mutable std::vector<Verdict> verdicts_;  //!< of the cells that were asked for
 };
 
-}  // namespace talus::detail
+}  // namespace talus::nav
