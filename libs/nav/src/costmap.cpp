@@ -14,6 +14,7 @@ namespace talus::nav
 namespace
 {
 constexpr float kQuantised = 0.02F;  // by costmaps that store probabilities as bytes, at most
+constexpr double kMaxCells = 4e7, kMaxCell = 1e9;
 constexpr double kRounding_cells = 1e-6;
 
 bool is_about(float p, float wanted) { return std::abs(p - wanted) < kQuantised; }
@@ -60,21 +61,33 @@ float admitted(float before) { return may_drop(before) ? kJustFree : before; }
 void Costmap::cover(double min_x_m, double max_x_m, double min_y_m, double max_y_m)
 {
   const auto cell = [this](double at_m)
-  { return static_cast<std::int64_t>(std::floor(at_m / resolution_m + kRounding_cells)); };
+  { return std::floor(at_m / resolution_m + kRounding_cells); };
   const bool none = free.empty();
-  const std::int64_t x0 = none ? cell(min_x_m) : std::min(cell(min_x_m), min_cell_x);
-  const std::int64_t y0 = none ? cell(min_y_m) : std::min(cell(min_y_m), min_cell_y);
-  const std::int64_t x1 = none ? cell(max_x_m) : std::max(cell(max_x_m), min_cell_x + columns);
-  const std::int64_t y1 = none ? cell(max_y_m) : std::max(cell(max_y_m), min_cell_y + rows);
-  Costmap out{resolution_m, x0, y0, static_cast<int>(x1 - x0), static_cast<int>(y1 - y0), {}};
+  const auto first_x = static_cast<double>(min_cell_x), first_y = static_cast<double>(min_cell_y);
+  const double x0 = none ? cell(min_x_m) : std::min(cell(min_x_m), first_x);
+  const double y0 = none ? cell(min_y_m) : std::min(cell(min_y_m), first_y);
+  const double x1 = none ? cell(max_x_m) : std::max(cell(max_x_m), first_x + columns);
+  const double y1 = none ? cell(max_y_m) : std::max(cell(max_y_m), first_y + rows);
+  if (!((x1 - x0) * (y1 - y0) <= kMaxCells && std::abs(x0) + std::abs(y0) < kMaxCell))
+    throw std::invalid_argument(
+        "a costmap cannot reach from (" + fixed_text(x0 * resolution_m, 1) + ", " +
+        fixed_text(y0 * resolution_m, 1) + ") to (" + fixed_text(x1 * resolution_m, 1) + ", " +
+        fixed_text(y1 * resolution_m, 1) + ") m: its limit is forty million cells");
+  Costmap out{
+      resolution_m,
+      static_cast<std::int64_t>(x0),
+      static_cast<std::int64_t>(y0),
+      static_cast<int>(x1 - x0),
+      static_cast<int>(y1 - y0),
+      {}};
   if (!none && out.columns == columns && out.rows == rows) return;
   out.free.assign(out.index(0, out.rows), kHopeful);
   for (int y = 0; y < rows; y++)
     std::copy_n(
         free.begin() + static_cast<std::ptrdiff_t>(index(0, y)), columns,
         out.free.begin() +
-            static_cast<std::ptrdiff_t>(out.index(
-                static_cast<int>(min_cell_x - x0), static_cast<int>(min_cell_y - y0) + y)));
+            static_cast<std::ptrdiff_t>(
+                out.index(static_cast<int>(first_x - x0), static_cast<int>(first_y - y0) + y)));
   *this = std::move(out);
 }
 

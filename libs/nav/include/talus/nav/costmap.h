@@ -31,7 +31,8 @@ struct Costmap
   int columns = 0, rows = 0;
   std::vector<float> free;  //!< row by row, from the south
 
-  /** Grows to hold a rectangle [m] of the map frame; new cells are kHopeful. */
+  /** Grows to hold a rectangle [m] of the map frame; new cells are kHopeful. Throws
+   * std::invalid_argument for more than forty million cells. */
   void cover(double min_x_m, double max_x_m, double min_y_m, double max_y_m);
   /** The index of a cell. */
   std::size_t index(int column, int row) const

@@ -1,6 +1,7 @@
 #pragma once
 #include <talus/map_view.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -43,6 +44,19 @@ struct Footprint
   /** From this tilt on it must not stand, along and across its heading [rad]. */
   double max_along_rad = 0.6, max_across_rad = 0.4;
   double max_step_m = 0.2;  //!< nor from this step under a wheel on
+
+  /** How far a point of its frame is from its outline; 0 inside. */
+  double outside_m(const Point2& p) const
+  {
+    return std::hypot(
+        std::max({0.0, p.x_m - max_x_m, min_x_m - p.x_m}),
+        std::max({0.0, p.y_m - max_y_m, min_y_m - p.y_m}));
+  }
+  /** From its base to its farthest corner. */
+  double reach_m() const
+  {
+    return std::hypot(std::max(max_x_m, -min_x_m), std::max(max_y_m, -min_y_m));
+  }
 };
 
 /** What the ground does with a robot at one place and heading. All NaN where the map does not know

@@ -32,8 +32,6 @@ constexpr std::array<HeadingStep, kHeadings> kSteps{
      {1, -1},
      {2, -1}}};
 
-/** How far a place in the frame of a rectangle is from its outline; 0 inside. */
-double to_outline_m(double x_m, double y_m, double length_m, double width_m);
 double heading_rad(int heading);
 /** The one nearest to a yaw. */
 int heading_of(double yaw_rad);
@@ -56,7 +54,7 @@ class Footprints
 {
  public:
   /** Throws std::invalid_argument for a robot that reaches over the border of a PlanningGrid. */
-  Footprints(double length_m, double width_m, double cell_m, const Margins& margins);
+  Footprints(const Footprint& robot, double cell_m, const Margins& margins);
 
   /** At a heading, of 2 * kHeadings: the odd ones lie between two. */
   bool fits(const PlanningGrid& grid, std::size_t cell, int half_heading) const;

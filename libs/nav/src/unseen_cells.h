@@ -1,7 +1,7 @@
 #pragma once
-#include <mrpt/maps/COccupancyGridMap2D.h>
-#include <mrpt/math/TPose2D.h>
+#include <talus/nav/costmap.h>
 
+#include <cstdint>
 #include <set>
 #include <utility>
 
@@ -13,14 +13,13 @@ class UnseenCells
 {
  public:
   /** `costmap` and the same one with more blocked, because it must have been seen by now. */
-  void remember(
-      const mrpt::math::TPose2D& robot, const mrpt::maps::COccupancyGridMap2D& costmap,
-      const mrpt::maps::COccupancyGridMap2D& blocked);
+  void remember(const Pose2& robot, const Costmap& costmap, const Costmap& blocked);
   /** Blocks it on a costmap; false where nothing is left to block. */
-  bool block(mrpt::maps::COccupancyGridMap2D& costmap) const;
+  bool block(Costmap& costmap) const;
 
  private:
-  std::set<std::pair<int, int>> cells_;  //!< column and row, counted from the origin of the map
+  /** Column and row, counted from the origin of the map. */
+  std::set<std::pair<std::int64_t, std::int64_t>> cells_;
 };
 
 }  // namespace talus::nav

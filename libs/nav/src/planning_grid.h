@@ -1,7 +1,5 @@
 #pragma once
-#include <mrpt/maps/COccupancyGridMap2D.h>
-#include <mrpt/math/TPoint2D.h>
-#include <mrpt/math/TPose2D.h>
+#include <talus/nav/costmap.h>
 
 #include <cmath>
 #include <cstddef>
@@ -27,10 +25,10 @@ class PlanningGrid
   static constexpr int kFarthest_thirds = 255;
   static constexpr double kTooLong = 1.05;  //!< distances in them are at most, along (2, 1)
 
-  PlanningGrid(const mrpt::maps::COccupancyGridMap2D& costmap, double around_m);
+  PlanningGrid(const Costmap& costmap, double around_m);
 
-  /** Makes the cells below a rectangle free, as the robot stands there. Before measure(). */
-  void clear(const mrpt::math::TPose2D& middle, double length_m, double width_m);
+  /** Makes the cells below the robot free, as it stands there. Before measure(). */
+  void clear(const Pose2& at, const Footprint& robot);
   /** Computes the distances. */
   void measure();
 
@@ -70,16 +68,5 @@ class PlanningGrid
   std::vector<Ground> ground_;
   std::vector<std::uint8_t> to_standing_, to_edge_;
 };
-
-// What the cells of a costmap mean, which costmap_from_map() makes: probabilities of being free.
-constexpr float kStandsBelow = 0.075F;  //!< in cells of less than this something stands
-/** Cells that are known to be blocked though nothing stands there. */
-constexpr float kEdge = 0.15F;
-inline bool is_known_edge(float p) { return std::abs(p - kEdge) < 0.025F; }
-/** What of this or more is blocked lies beside something that stands. */
-constexpr float kBesideAbove = 0.225F;
-constexpr float kBlockedUpTo = 0.45F;  //!< cells of this or less are blocked
-/** Where nothing is known a way may be hoped for. What is known and not blocked is 0.55 or more. */
-constexpr float kHopeful = 0.5F;
 
 }  // namespace talus::nav

@@ -13,12 +13,12 @@ class ToGoal
  public:
   static constexpr int kNoWay = 1 << 30;
 
-  /** From all places within `arrives_m` of the goal, best from the goal itself. `half_width_m`: of
+  /** From all cells within `arrives_m` of the goal, best from the goal itself. `half_width_m`: of
    * the robot. Ways are found up to the cell from which they are asked for; margins count, but
    * near the robot, which must find away from what it is near to. */
   ToGoal(
-      const PlanningGrid& grid, const mrpt::math::TPoint2D& goal, double arrives_m,
-      double half_width_m, const mrpt::math::TPoint2D& from);
+      const PlanningGrid& grid, const Point2& goal, double arrives_m, double half_width_m,
+      const Point2& from);
 
   bool found() const { return cost_[from_] < kNoWay; }
   /** Of the way from a cell. */
@@ -36,8 +36,8 @@ class ToGoal
   static constexpr int kPlain = 16;  //!< the factor of a place with room around
 
   void rate(double half_width_m);
-  void open_around(const mrpt::math::TPoint2D& from);
-  void add_goals(const mrpt::math::TPoint2D& goal, double arrives_m);
+  void open_around(const Point2& from);
+  void add_goals(const Point2& goal, double arrives_m);
   void spread();
 
   const PlanningGrid& grid_;

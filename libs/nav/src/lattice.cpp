@@ -49,8 +49,7 @@ class Search
  public:
   Search(
       const PlanningGrid& grid, const ToGoal& to_goal, const Footprints& near_start,
-      const Footprints& elsewhere, const GroundCostAt& ground_cost,
-      const mrpt::math::TPose2D& robot)
+      const Footprints& elsewhere, const GroundCostAt& ground_cost, const Pose2& robot)
       : grid_(grid),
         to_goal_(to_goal),
         near_start_(near_start),
@@ -126,7 +125,7 @@ class Search
   double away_m(std::size_t cell) const
   {
     return std::hypot(
-        grid_.x_m(grid_.column(cell)) - robot_.x, grid_.y_m(grid_.row(cell)) - robot_.y);
+        grid_.x_m(grid_.column(cell)) - robot_.x_m, grid_.y_m(grid_.row(cell)) - robot_.y_m);
   }
 
   /** Of a move of this length to a pose, beside what blocks and on uneven ground; kNoWay where the
@@ -154,8 +153,8 @@ class Search
   /** From the states around the robot. */
   void start()
   {
-    const int column = grid_.column_of(robot_.x), row = grid_.row_of(robot_.y);
-    const int heading = heading_of(robot_.phi);
+    const int column = grid_.column_of(robot_.x_m), row = grid_.row_of(robot_.y_m);
+    const int heading = heading_of(robot_.yaw_rad);
     for (int y = row - 1; y <= row + 1; y++)
       for (int x = column - 1; x <= column + 1; x++)
         for (int h = heading - 1; h <= heading + 1; h++)
@@ -165,7 +164,8 @@ class Search
   void start_at(std::size_t cell, int heading)
   {
     if (!fits(cell, 2 * heading)) return;
-    const double off_rad = std::abs(std::remainder(heading_rad(heading) - robot_.phi, 2 * M_PI));
+    const double off_rad =
+        std::abs(std::remainder(heading_rad(heading) - robot_.yaw_rad, 2 * M_PI));
     const double turns = off_rad / (2 * M_PI / kHeadings);
     const double off_mm = kOffStart * 1000 * away_m(cell) + kTurn_mm * turns;
     offer(state_of(cell, heading), kGoal, static_cast<int>(off_mm));
@@ -235,22 +235,21 @@ class Search
   std::vector<std::int32_t> node_of_;  //!< of each cell; -1: none yet
   std::vector<Node> nodes_;
   std::priority_queue<Offer> queue_;
-  mrpt::math::TPose2D robot_;
+  Pose2 robot_;
   std::size_t looked_at_ = 0;
   bool left_start_ = false;
   int goal_mm_ = ToGoal::kNoWay;
   State end_ = kGoal;
 };
 
-std::vector<Footprints> shares_of(
-    double length_m, double width_m, double cell_m, double least_edge_share)
+std::vector<Footprints> shares_of(const Footprint& robot, double cell_m, double min_edge_share)
 {
   std::vector<Footprints> out;
   out.reserve(kShares.size());
   for (const double share : kShares)
     out.emplace_back(
-        length_m, width_m, cell_m,
-        Margins{share * kMargins.standing_m, std::max(share, least_edge_share) * kMargins.edge_m});
+        robot, cell_m,
+        Margins{share * kMargins.standing_m, std::max(share, min_edge_share) * kMargins.edge_m});
   return out;
 }
 
@@ -259,8 +258,7 @@ std::vector<Footprints> shares_of(
  * from what it is near to, as along a wall, with no more than that. */
 std::vector<State> find_states(
     const PlanningGrid& grid, const ToGoal& to_goal, const std::vector<Footprints>& near_start,
-    const std::vector<Footprints>& elsewhere, const GroundCostAt& ground_cost,
-    const mrpt::math::TPose2D& robot)
+    const std::vector<Footprints>& elsewhere, const GroundCostAt& ground_cost, const Pose2& robot)
 {
   for (std::size_t i = 0; i < near_start.size(); i++)
   {
@@ -281,40 +279,40 @@ bool leads_back(const RoutePose& a, const RoutePose& b)
 }
 }  // namespace
 
-Lattice::Lattice(double length_m, double width_m, double cell_m, GroundCostAt ground_cost)
-    : length_m_(length_m),
-      width_m_(width_m),
-      ground_cost_(std::move(ground_cost)),
-      near_start_(shares_of(length_m, width_m, cell_m, 0)),
-      elsewhere_(shares_of(length_m, width_m, cell_m, kEdgeShare)),
-      with_room_(length_m, width_m, cell_m, kRoom)
+Lattice::Lattice(const Footprint& robot, double cell_m)
+    : robot_(robot),
+      near_start_(shares_of(robot, cell_m, 0)),
+      elsewhere_(shares_of(robot, cell_m, kEdgeShare)),
+      with_room_(robot, cell_m, kRoom)
 {
 }
 
-std::vector<RoutePose> Lattice::plan(
-    const mrpt::maps::COccupancyGridMap2D& costmap, double around_m,
-    const mrpt::math::TPose2D& robot, const mrpt::math::TPoint2D& goal, double arrives_m) const
+Route Lattice::plan(
+    const Costmap& costmap, double around_m, const Pose2& robot, const Point2& goal,
+    double arrives_m, const GroundCostAt& ground_cost) const
 {
   PlanningGrid grid(costmap, around_m);
-  const int column = grid.column_of(robot.x), row = grid.row_of(robot.y);
+  const int column = grid.column_of(robot.x_m), row = grid.row_of(robot.y_m);
   if (!grid.contains(column, row)) return {};
-  grid.clear(robot, length_m_, width_m_);
+  grid.clear(robot, robot_);
   grid.measure();
-  const ToGoal to_goal(grid, goal, arrives_m, width_m_ / 2, {robot.x, robot.y});
+  const double half_width_m =
+      std::min({robot_.max_x_m, -robot_.min_x_m, robot_.max_y_m, -robot_.min_y_m});
+  const ToGoal to_goal(grid, goal, arrives_m, half_width_m, {robot.x_m, robot.y_m});
   if (!to_goal.found()) return {};
-  std::vector<RoutePose> way;
-  for (const State s : find_states(grid, to_goal, near_start_, elsewhere_, ground_cost_, robot))
+  Route route;
+  for (const State s : find_states(grid, to_goal, near_start_, elsewhere_, ground_cost, robot))
   {
     const std::size_t cell = cell_of(s);
     const int heading = heading_in(s);
-    const mrpt::math::TPose2D pose(
-        grid.x_m(grid.column(cell)), grid.y_m(grid.row(cell)), heading_rad(heading));
-    way.push_back(
-        {pose.x, pose.y, pose.phi, false, !with_room_.fits(grid, cell, 2 * heading),
-         ground_cost_(pose) >= kTilted});
-    if (way.size() > 1) way.back().backwards = leads_back(way[way.size() - 2], way.back());
+    const Pose2 pose{grid.x_m(grid.column(cell)), grid.y_m(grid.row(cell)), heading_rad(heading)};
+    route.push_back(
+        {pose.x_m, pose.y_m, pose.yaw_rad, false, !with_room_.fits(grid, cell, 2 * heading),
+         ground_cost(pose) >= kTilted});
+    if (route.size() > 1)
+      route.back().backwards = leads_back(route[route.size() - 2], route.back());
   }
-  return way;
+  return route;
 }
 
 }  // namespace talus::nav

@@ -1,11 +1,10 @@
 // When a robot that stands goes back along its trail.
-#include "apps/lab/talus-nav/follow.h"
-
 #include <gtest/gtest.h>
+#include <talus/nav/route.h>
 
 namespace
 {
-using mrpt::math::TPoint2D;
+using talus::nav::Point2;
 
 /** Asks each 0.1 s. */
 struct Drive
@@ -13,7 +12,7 @@ struct Drive
   talus::nav::Retreat retreat;
   double time_s = 0;
 
-  std::optional<TPoint2D> at(double x_m, double y_m = 0)
+  std::optional<Point2> at(double x_m, double y_m = 0)
   {
     time_s += 0.1;
     return retreat.target(time_s, {x_m, y_m});
@@ -25,9 +24,9 @@ struct Drive
       if (at(x)) return false;
     return true;
   }
-  std::optional<TPoint2D> stands(double x_m, double seconds)
+  std::optional<Point2> stands(double x_m, double seconds)
   {
-    std::optional<TPoint2D> back;
+    std::optional<Point2> back;
     for (int i = 0; i < 10 * seconds && !back; i++) back = at(x_m + (i % 2 ? 0.02 : -0.02));
     return back;
   }
@@ -46,11 +45,11 @@ TEST(Retreat, goes_back_to_a_place_of_its_trail_and_then_on)
   ASSERT_TRUE(drive.goes_to(3));
   const auto back = drive.stands(3, 6);
   ASSERT_TRUE(back);
-  EXPECT_NEAR(back->x, 2.15, 0.15);
-  EXPECT_DOUBLE_EQ(back->y, 0);
+  EXPECT_NEAR(back->x_m, 2.15, 0.15);
+  EXPECT_DOUBLE_EQ(back->y_m, 0);
   EXPECT_TRUE(drive.at(2.7));
-  EXPECT_FALSE(drive.at(back->x + 0.2)) << "there";
-  EXPECT_FALSE(drive.stands(back->x + 0.2, 4)) << "patient again";
+  EXPECT_FALSE(drive.at(back->x_m + 0.2)) << "there";
+  EXPECT_FALSE(drive.stands(back->x_m + 0.2, 4)) << "patient again";
 }
 
 TEST(Retreat, gives_up_where_it_cannot_go_back)

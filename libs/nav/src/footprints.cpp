@@ -19,12 +19,6 @@ double middle_rad(int half_heading)
 }
 }  // namespace
 
-double to_outline_m(double x_m, double y_m, double length_m, double width_m)
-{
-  return std::hypot(
-      std::max(0.0, std::abs(x_m) - length_m / 2), std::max(0.0, std::abs(y_m) - width_m / 2));
-}
-
 double heading_rad(int heading)
 {
   static const auto headings_rad = []
@@ -52,9 +46,9 @@ int heading_of(double yaw_rad)
   return nearest;
 }
 
-Footprints::Footprints(double length_m, double width_m, double cell_m, const Margins& margins)
+Footprints::Footprints(const Footprint& robot, double cell_m, const Margins& margins)
 {
-  const double corner_m = std::hypot(length_m, width_m) / 2;
+  const double corner_m = robot.reach_m();
   const auto sure_thirds = [&](double margin_m)
   {
     const double cells = (corner_m + margin_m) / cell_m;
@@ -74,7 +68,7 @@ Footprints::Footprints(double length_m, double width_m, double cell_m, const Mar
       for (int x = -reach; x <= reach; x++)
       {
         const double away_m =
-            to_outline_m(cell_m * (c * x + s * y), cell_m * (-s * x + c * y), length_m, width_m);
+            robot.outside_m({cell_m * (c * x + s * y), cell_m * (-s * x + c * y)});
         if (away_m <= margins.standing_m)
           cells_[h].all.push_back({x, y});
         else if (away_m <= margins.edge_m)

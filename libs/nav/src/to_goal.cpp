@@ -19,10 +19,10 @@ constexpr std::size_t kBuckets = 1024;  // more than the dearest step from cell 
 }  // namespace
 
 ToGoal::ToGoal(
-    const PlanningGrid& grid, const mrpt::math::TPoint2D& goal, double arrives_m,
-    double half_width_m, const mrpt::math::TPoint2D& from)
+    const PlanningGrid& grid, const Point2& goal, double arrives_m, double half_width_m,
+    const Point2& from)
     : grid_(grid),
-      from_(grid.index(grid.column_of(from.x), grid.row_of(from.y))),
+      from_(grid.index(grid.column_of(from.x_m), grid.row_of(from.y_m))),
       factor_(grid.size(), 0),
       cost_(grid.size(), kNoWay)
 {
@@ -61,10 +61,10 @@ void ToGoal::rate(double half_width_m)
     }
 }
 
-void ToGoal::open_around(const mrpt::math::TPoint2D& from)
+void ToGoal::open_around(const Point2& from)
 {
   const auto reach = static_cast<int>(std::lround(kNearStart_m / grid_.cell_m()));
-  const int column = grid_.column_of(from.x), row = grid_.row_of(from.y);
+  const int column = grid_.column_of(from.x_m), row = grid_.row_of(from.y_m);
   for (int y = row - reach; y <= row + reach; y++)
     for (int x = column - reach; x <= column + reach; x++)
     {
@@ -74,13 +74,14 @@ void ToGoal::open_around(const mrpt::math::TPoint2D& from)
     }
 }
 
-void ToGoal::add_goals(const mrpt::math::TPoint2D& goal, double arrives_m)
+void ToGoal::add_goals(const Point2& goal, double arrives_m)
 {
-  for (int y = grid_.row_of(goal.y - arrives_m); y <= grid_.row_of(goal.y + arrives_m); y++)
-    for (int x = grid_.column_of(goal.x - arrives_m); x <= grid_.column_of(goal.x + arrives_m); x++)
+  for (int y = grid_.row_of(goal.y_m - arrives_m); y <= grid_.row_of(goal.y_m + arrives_m); y++)
+    for (int x = grid_.column_of(goal.x_m - arrives_m); x <= grid_.column_of(goal.x_m + arrives_m);
+         x++)
     {
       if (!grid_.contains(x, y) || is_blocked(grid_.index(x, y))) continue;
-      const double away_m = std::hypot(grid_.x_m(x) - goal.x, grid_.y_m(y) - goal.y);
+      const double away_m = std::hypot(grid_.x_m(x) - goal.x_m, grid_.y_m(y) - goal.y_m);
       if (away_m <= arrives_m)
         goals_.emplace_back(grid_.index(x, y), static_cast<int>(1000 * kBesideGoal * away_m));
     }

@@ -8,6 +8,7 @@ namespace talus::nav
 namespace
 {
 constexpr int kStraight = PlanningGrid::kThirds, kDiagonal = 4;
+constexpr double kMaxShift_cells = 0.01;
 
 Ground ground_of(float free_probability)
 {
@@ -15,35 +16,37 @@ Ground ground_of(float free_probability)
   return free_probability < kStandsBelow || free_probability > kBesideAbove ? Ground::Stands
                                                                             : Ground::Edge;
 }
+/** Borders and cells are those of a costmap of MRPT, which are floats, where that shifts nothing: of
+ * two routes that cost the same it is then the same one that is found. */
+double as_float(double border_m, double cell_m)
+{
+  const double rounded_m = static_cast<float>(border_m);
+  return std::abs(rounded_m - border_m) < kMaxShift_cells * cell_m ? rounded_m : border_m;
+}
 }  // namespace
 
-PlanningGrid::PlanningGrid(const mrpt::maps::COccupancyGridMap2D& costmap, double around_m)
-    : cell_m_(costmap.getResolution())
+PlanningGrid::PlanningGrid(const Costmap& costmap, double around_m) : cell_m_(static_cast<float>(costmap.resolution_m))
 {
   const int around = kBorder_cells + static_cast<int>(std::ceil(around_m / cell_m_));
-  const int inner_columns = static_cast<int>(costmap.getSizeX());
-  const int inner_rows = static_cast<int>(costmap.getSizeY());
-  columns_ = inner_columns + 2 * around;
-  rows_ = inner_rows + 2 * around;
-  min_x_m_ = costmap.getXMin() - around * cell_m_;
-  min_y_m_ = costmap.getYMin() - around * cell_m_;
+  columns_ = costmap.columns + 2 * around;
+  rows_ = costmap.rows + 2 * around;
+  min_x_m_ = as_float(costmap.min_x_m(), cell_m_) - around * cell_m_;
+  min_y_m_ = as_float(costmap.min_y_m(), cell_m_) - around * cell_m_;
   ground_.assign(
       static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), Ground::Free);
-  for (int y = 0; y < inner_rows; y++)
-    for (int x = 0; x < inner_columns; x++)
-      ground_[index(x + around, y + around)] = ground_of(costmap.getCell(x, y));
+  for (int y = 0; y < costmap.rows; y++)
+    for (int x = 0; x < costmap.columns; x++)
+      ground_[index(x + around, y + around)] = ground_of(costmap.free[costmap.index(x, y)]);
 }
 
-void PlanningGrid::clear(const mrpt::math::TPose2D& middle, double length_m, double width_m)
+void PlanningGrid::clear(const Pose2& at, const Footprint& robot)
 {
-  const double reach_m = std::hypot(length_m, width_m) / 2;
-  for (int y = row_of(middle.y - reach_m); y <= row_of(middle.y + reach_m); y++)
-    for (int x = column_of(middle.x - reach_m); x <= column_of(middle.x + reach_m); x++)
+  const double reach_m = robot.reach_m();
+  for (int y = row_of(at.y_m - reach_m); y <= row_of(at.y_m + reach_m); y++)
+    for (int x = column_of(at.x_m - reach_m); x <= column_of(at.x_m + reach_m); x++)
     {
       if (x < 0 || y < 0 || x >= columns_ || y >= rows_) continue;
-      const auto p = middle.inverseComposePoint(mrpt::math::TPoint2D(x_m(x), y_m(y)));
-      if (std::abs(p.x) <= length_m / 2 && std::abs(p.y) <= width_m / 2)
-        ground_[index(x, y)] = Ground::Free;
+      if (robot.outside_m(at.to_robot({x_m(x), y_m(y)})) == 0) ground_[index(x, y)] = Ground::Free;
     }
 }
 
