@@ -16,8 +16,8 @@ Ground ground_of(float free_probability)
   return free_probability < kStandsBelow || free_probability > kBesideAbove ? Ground::Stands
                                                                             : Ground::Edge;
 }
-/** Borders and cells are those of a costmap of MRPT, which are floats, where that shifts nothing: of
- * two routes that cost the same it is then the same one that is found. */
+/** Borders and cells are those of a costmap of MRPT, which are floats, where that shifts nothing:
+ * of two routes that cost the same it is then the same one that is found. */
 double as_float(double border_m, double cell_m)
 {
   const double rounded_m = static_cast<float>(border_m);
@@ -25,7 +25,8 @@ double as_float(double border_m, double cell_m)
 }
 }  // namespace
 
-PlanningGrid::PlanningGrid(const Costmap& costmap, double around_m) : cell_m_(static_cast<float>(costmap.resolution_m))
+PlanningGrid::PlanningGrid(const Costmap& costmap, double around_m)
+    : cell_m_(static_cast<float>(costmap.resolution_m))
 {
   const int around = kBorder_cells + static_cast<int>(std::ceil(around_m / cell_m_));
   columns_ = costmap.columns + 2 * around;

@@ -26,7 +26,7 @@ using Route = std::vector<RoutePose>;
  * and farther where there is room. It may lead over what is not known, and over what is in doubt
  * (see find_doubtful()) where there is no other. The same map gives the same route. Throws
  * std::invalid_argument for a pose or goal that is not finite or farther away than a costmap
- * reaches, for a robot that is too large for the cells (its corners 0.45 m and its margins from its
+ * reaches, for a robot that is too large for the cells (its corners 0.48 m from its
  * base for cells of 0.05 m), and as heading_cost() and classify_cells(). */
 Route plan(
     const MapView& map, const Pose& T_map_base, const Point2& goal, const Footprint& robot,
