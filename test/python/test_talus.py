@@ -121,6 +121,17 @@ class Answers(unittest.TestCase):
         self.assertEqual(len(talus.plan(self.map, LEVEL, (-2.0, 1.0), talus.Footprint(max_x=0.33))["yaw"].shape), 1)
 
 
+    def test_height_scan_of_one_pose_and_of_many(self):
+        x, y = np.meshgrid(np.arange(-0.8, 0.85, 0.1), np.arange(-0.5, 0.55, 0.1))
+        z, sigma, origin = self.map.height_scan(LEVEL, x, y)
+        self.assertEqual((z.shape, sigma.dtype, origin.dtype), ((11, 17), np.float32, np.uint8))
+        self.assertLess(np.nanmax(abs(z[origin == 1])), 0.02)
+        turned = np.array([LEVEL, [[0, -1, 0, 1], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]], float)
+        many = self.map.height_scan(turned, x, y)
+        self.assertEqual(many[0].shape, (2, 11, 17))
+        np.testing.assert_array_equal(many[0][0], z)
+
+
 class Errors(unittest.TestCase):
     def test_name_the_argument(self):
         m, p = small_map(), floor()
@@ -144,6 +155,8 @@ class Errors(unittest.TestCase):
                 (ValueError, "T_map_base", lambda: m.obstacles(nowhere)),
                 (TypeError, "drop", lambda: m.obstacles(LEVEL, drop="slope")),
                 (ValueError, "drops", lambda: m.obstacles(LEVEL, drops="all")),
+                (ValueError, "T_map_base", lambda: m.height_scan(nowhere, [0.0], [0.0])),
+                (ValueError, "x and y", lambda: m.height_scan(LEVEL, [0.0], [[0.0]])),
                 (ValueError, "goal", lambda: talus.plan(m, LEVEL, (np.nan, 0)))):
             with self.assertRaisesRegex(kind, name):
                 call()

@@ -1,4 +1,5 @@
 #include <talus/nav/heading_cost.h>
+#include <talus/nav/height_scan.h>
 #include <talus/nav/obstacles.h>
 #include <talus/nav/route.h>
 
@@ -106,6 +107,61 @@ py::array heading_cost(Map& m, const py::object& poses, const nav::Footprint& ro
   return as_array(std::move(costs));
 }
 
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+Doubles doubles_from(const py::object& value, const char* name)
+{
+  auto array = Doubles::ensure(value);
+  if (!array) throw py::value_error(std::string(name) + ": must be numbers");
+  return array;
+}
+
+/** Poses of shape (4, 4), or several of them. */
+std::vector<Pose> poses_from(const py::object& value, const char* name)
+{
+  const auto array = doubles_from(value, name);
+  std::vector<Pose> out;
+  if (array.ndim() == 2) return {pose_from(value, name)};
+  if (array.ndim() != 3)
+    throw py::value_error(
+        std::string(name) + ": must be of shape (4, 4) or (B, 4, 4), is " + shape_text(array));
+  for (const auto& pose : array)
+    out.push_back(pose_from(py::reinterpret_borrow<py::object>(pose), name));
+  return out;
+}
+
+py::tuple height_scan(
+    Map& m, const py::object& T_map_base, const py::object& x_of, const py::object& y_of)
+{
+  const auto poses = poses_from(T_map_base, "T_map_base");
+  const auto x = doubles_from(x_of, "x"), y = doubles_from(y_of, "y");
+  std::vector<py::ssize_t> shape(x.shape(), x.shape() + x.ndim());
+  if (!std::equal(shape.begin(), shape.end(), y.shape(), y.shape() + y.ndim()))
+    throw py::value_error("x and y: are of shapes " + shape_text(x) + " and " + shape_text(y));
+  std::vector<nav::Point2> points;
+  for (py::ssize_t i = 0; i < x.size(); i++) points.push_back({x.data()[i], y.data()[i]});
+  auto z = std::make_shared<std::vector<float>>();
+  auto sigma = std::make_shared<std::vector<float>>();
+  auto origin = std::make_shared<std::vector<std::uint8_t>>();
+  locked(
+      m,
+      [&](const ElevationMapper& map)
+      {
+        for (const Pose& T : poses)
+          for (const auto& h : nav::height_scan(map, T, points))
+          {
+            z->push_back(h.z_m);
+            sigma->push_back(h.sigma_m);
+            origin->push_back(static_cast<std::uint8_t>(h.origin));
+          }
+      });
+  if (doubles_from(T_map_base, "T_map_base").ndim() == 3)
+    shape.insert(shape.begin(), static_cast<py::ssize_t>(poses.size()));
+  return py::make_tuple(
+      as_array<float>(std::move(z), shape), as_array<float>(std::move(sigma), shape),
+      as_array<std::uint8_t>(std::move(origin), shape));
+}
+
 py::array plan(
     Map& m, const py::object& T_map_base, const std::pair<double, double>& goal,
     const nav::Footprint& robot, const py::kwargs& options)
@@ -184,6 +240,14 @@ void bind_nav(py::module_& m)
       "What the ground does with a robot at poses (N, 3) x, y [m], yaw [rad], float64 or float32:\n"
       "(N,) with the fields along, across [rad], step, clearance [m] and cost [0, 1], 1: "
       "impassable; NaN:\nnot known.");
+  map.def(
+      "height_scan", &height_scan, "T_map_base"_a, "x"_a, "y"_a,
+      "Heights below points of the robot's frame seen from above (x ahead, y left [m], arrays of "
+      "one "
+      "shape):\nz and its standard deviation sigma [m], float32, and their origin, uint8: 0 "
+      "unknown "
+      "(of the nearest\nknown cell, NaN beyond 1 m), 1 measured, 2 filled, 3 presumed. Each of the "
+      "shape of x, after that of\nthe poses for T_map_base of shape (B, 4, 4).");
   m.def(
       "plan", &plan, "map"_a, "T_map_base"_a, "goal"_a, "footprint"_a = nav::Footprint(),
       (std::string(
