@@ -78,7 +78,7 @@ grep -q "terrain / *11 " info.txt || { cat info.txt; stop "rawlog-edit"; }
 
 if [ $count -eq 4 ]; then
   say "import talus"
-  PYTHONPATH=$root/lib/python3/dist-packages /usr/bin/python3 -c "import talus; print(talus.Map(backend='cpu')['ground'].shape)"
+  PYTHONPATH=$root/lib/python3/dist-packages /usr/bin/python3 -B -c "import talus; print(talus.Map(backend='cpu')['ground'].shape)"
 fi
 
 say "a program of one's own"

@@ -95,6 +95,7 @@ std::shared_ptr<const std::vector<float>> layer_of(Map& m, const std::string& na
 std::vector<std::string> names_of(const Map& m)
 {
   std::vector<std::string> names;
+  names.reserve(kLayerCount);
   for (int l = 0; l < kLayerCount; l++) names.emplace_back(layer_name(static_cast<Layer>(l)));
   const auto more = channel_layer_names(m.mapper.parameters().channels);
   names.insert(names.end(), more.begin(), more.end());
