@@ -1,7 +1,8 @@
 """Judges Map.height_scan() in a scene of closed form and prints a table in Markdown, in half a minute.
 
-The scene and the judgement are those of the accuracy test of elevation_mapping_cupy_core (sim/, scene `mixed`): waves of
-8 cm, five stairs and six boxes around a sensor at 0.8 m that turns on the spot in 16 scans; cells of 4 cm up to 2.5 m.
+The scene and the judgement are those of the accuracy test of elevation_mapping_cupy_core (sim/, scene `mixed`): waves
+of 8 cm, five stairs and six boxes around a sensor at 0.8 m that turns on the spot in 16 scans; cells of 4 cm up to
+2.5 m.
 """
 
 import sys
@@ -108,7 +109,8 @@ def judge(tilt, angles, noise):
 
 
 noise_m = float(sys.argv[1]) if len(sys.argv) > 1 else 0.0
-print("| sensor | cells with hits | with a height | RMSE of cells with hits | of all cells | within one, two deviations |")
+columns = "cells with hits", "with a height", "RMSE of cells with hits", "of all cells", "within one, two deviations"
+print("| sensor | " + " | ".join(columns) + " |")
 print("|---|---|---|---|---|---|")
 for name, tilt_deg, pattern in SENSORS:
     row = judge(tilt_deg, pattern, noise_m)

@@ -13,6 +13,8 @@ import numpy as np
 
 import talus
 
+sys.dont_write_bytecode = True  # beside the sources
+
 LEVEL = np.eye(4)
 SENSOR = np.eye(4)
 SENSOR[2, 3] = 0.7
@@ -219,7 +221,8 @@ class Bits(unittest.TestCase):
 
     BOXES = (((2, 0.5, 0), (2.3, 0.9, 0.5)), ((4, -1, 0.75), (4.6, 1, 0.8)), ((1, -2, 0), (9, -1.95, 1.0)),
              ((3.02, -0.6, 0), (3.06, -0.56, 1.2)), ((6, -0.5, 0), (6.5, 0.5, 0.08)), ((7, -3, 0.35), (7.2, 3, 0.45)),
-             ((-2.5, -1.5, 0.2), (-1.7, -0.9, 0.55)), ((1.5, 2, 0.2), (3.5, 3, 0.75)), ((1.8, 2.12, 0.75), (3.2, 2.9, 1.3)))
+             ((-2.5, -1.5, 0.2), (-1.7, -0.9, 0.55)), ((1.5, 2, 0.2), (3.5, 3, 0.75)),
+             ((1.8, 2.12, 0.75), (3.2, 2.9, 1.3)))
 
     def rays(self):
         at = np.arange(360)
@@ -294,8 +297,8 @@ class Files(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             poses, out = self.drive(folder), os.path.join(folder, "out")
             subprocess.run(
-                [os.environ["TALUS_MAP"], folder, "--poses", poses, "--mount", "velodyne=0,0,0.7,0,0,0", "--backend", "cpu",
-                 "--output", out, "--quiet"], check=True, stderr=subprocess.DEVNULL)
+                [os.environ["TALUS_MAP"], folder, "--poses", poses, "--mount", "velodyne=0,0,0.7,0,0,0",
+                 "--backend", "cpu", "--output", out, "--quiet"], check=True, stderr=subprocess.DEVNULL)
             m = talus.Map(backend="cpu")
             frames = list(talus.frames(folder, poses=poses, mounts={"velodyne": SENSOR}))
             self.assertEqual([round(f["t"], 3) for f in frames], [1000 + 0.1 * i for i in range(6)])
@@ -318,6 +321,21 @@ class Files(unittest.TestCase):
             self.assertTrue(np.shares_memory(window["ground"], whole))
             with self.assertRaises(KeyError):
                 site["grond"]
+
+    def test_frames_of_a_bag_have_the_poses_that_it_ends_with(self):
+        sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "import"))
+        import make_bags
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "log.mcap")
+            make_bags.write_mcap(path, make_bags.in_groups(make_bags.log()))
+            m = talus.Map(backend="cpu", min_height=-100, max_height=100)
+            frames = list(talus.frames(path))
+            self.assertEqual(sorted({f["sensor"] for f in frames}), [0, 1])
+            self.assertEqual(len([f for f in talus.frames(path, topics=["/front/points"])]), 10)
+            for f in frames:
+                self.assertEqual(len(f["times"]), len(f["points"]))
+                m.update(**f)
+            self.assertGreater(frames[-1]["T_map_sensor"][0, 3], 10)
 
     def test_errors_name_the_file(self):
         with self.assertRaisesRegex(RuntimeError, "nowhere"):
