@@ -27,7 +27,9 @@ constexpr float kJustFree = 0.55F;  //!< with a traversability of 0
 struct Costmap
 {
   double resolution_m = 0;  //!< side of a cell, that of the map
-  std::int64_t min_cell_x = 0, min_cell_y = 0;  //!< the first cell, counted from the map's origin
+  /** The first cell, counted from the map's origin. */
+  std::int64_t min_cell_x = 0, min_cell_y = 0;
+  /** Number of cells along x and y. */
   int columns = 0, rows = 0;
   std::vector<float> free;  //!< row by row, from the south
 

@@ -7,15 +7,17 @@
 
 namespace talus::nav
 {
-/** A position seen from above [m]. */
+/** A position seen from above. */
 struct Point2
 {
+  /** In the map frame or in that of a robot. */
   double x_m, y_m;
 };
 
-/** A robot seen from above: its position [m] and heading [rad], counterclockwise from x. */
+/** A robot seen from above. */
 struct Pose2
 {
+  /** Position and heading, counterclockwise from x; map frame. */
   double x_m, y_m, yaw_rad;
 
   /** A point of the map frame in that of the robot: x ahead, y left. */

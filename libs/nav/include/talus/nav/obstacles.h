@@ -72,9 +72,10 @@ std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o);
 std::vector<bool> find_edges(
     const MapView& map, const Pose& T_map_base, const std::vector<Passage>& cells);
 
-/** A point of an obstacle [m], in the frame of the robot seen from above: x ahead, y left. */
+/** A point of an obstacle. */
 struct ObstaclePoint
 {
+  /** In the frame of the robot seen from above: x ahead, y left. */
   float x_m, y_m, z_m;
 };
 

@@ -10,9 +10,10 @@
 
 namespace talus::nav
 {
-/** A pose on the route of a robot, map frame. */
+/** A pose on the route of a robot. */
 struct RoutePose
 {
+  /** See Pose2. */
   double x_m, y_m, yaw_rad;
   bool backwards;  //!< it comes there in reverse
   bool narrow;  //!< there is no room for detours
