@@ -1,5 +1,5 @@
-// A robot drives around a block on a road: scans, map, obstacles, MRPT's reactive navigator,
-// motors.
+// A robot drives around a block on a road: scans, map, route, obstacles, MRPT's
+// reactive navigator, motors.
 //   example_06_my_robot reactive2d_config.ini     (datasets/configs; installed:
 //   /usr/share/talus/configs)
 #include "made_up_scans.h"
@@ -7,6 +7,7 @@
 
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservationPointCloud.h>
+#include <talus/nav/route.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -17,7 +18,8 @@
 
 namespace
 {
-constexpr double kStep_s = 0.1, kGoalX_m = 6, kLongest_s = 60;
+constexpr double kStep_s = 0.1, kGoalX_m = 6, kLongest_s = 60, kAhead_m = 1.6;
+constexpr int kStepsPerPlan = 5;
 
 /** In this program time goes as fast as it can; a real robot leaves MRPT's clock as it is. */
 struct SimulatedRobot : MyRobot
@@ -51,6 +53,20 @@ void move(MyRobot& robot)
       robot.pose.y() + kStep_s * robot.v * std::sin(yaw), 0, yaw, 0, 0);
 }
 
+/** Plans a route to the goal, and sends the navigator to a point on it. */
+void follow_route(
+    const MyRobot& robot, talus::nav::Planner& planner, mrpt::nav::CReactiveNavigationSystem& nav)
+{
+  const talus::Pose T_map_base = talus::pose_from(robot.pose);
+  if (!planner.plan(robot.map.mapper(), T_map_base, {kGoalX_m, 0})) return;
+  const auto at = talus::nav::from_above(T_map_base);
+  const auto to = talus::nav::point_ahead(planner.route(), at, kAhead_m);
+  mrpt::nav::CReactiveNavigationSystem::TNavigationParams params;
+  params.target.target_coords = {to.x_m, to.y_m, 0};
+  params.target.targetAllowedDistance = 0.3F;
+  nav.navigate(&params);
+}
+
 int drive(const std::string& file)
 {
   mrpt::config::CConfigFile ini(file);
@@ -65,17 +81,15 @@ int drive(const std::string& file)
   navigator.params_abstract_ptg_navigator.ptg_cache_files_directory = tables.string();
   navigator.initialize();
 
-  mrpt::nav::CReactiveNavigationSystem::TNavigationParams goal;
-  goal.target.target_coords = {kGoalX_m, 0, 0};
-  goal.target.targetAllowedDistance = 0.3F;
-  navigator.navigate(&goal);
+  talus::nav::Planner planner({}, {robot.map.insertionOptions.resolution_m, 0, 0, 0, 0, {}});
   double aside_m = robot.pose.y();
-  for (double time_s = 0; time_s < kLongest_s; time_s += kStep_s)
+  for (int step = 0; step * kStep_s < kLongest_s; step++)
   {
-    mrpt::Clock::setSimulatedTime(mrpt::Clock::fromDouble(1000 + time_s));
+    mrpt::Clock::setSimulatedTime(mrpt::Clock::fromDouble(1000 + step * kStep_s));
     scan(robot);
+    if (step % kStepsPerPlan == 0) follow_route(robot, planner, navigator);
     navigator.navigationStep();
-    if (navigator.getCurrentState() != mrpt::nav::CAbstractNavigator::TState::NAVIGATING) break;
+    if (std::abs(robot.pose.x() - kGoalX_m) < 0.4) break;
     move(robot);
     aside_m = std::min(aside_m, robot.pose.y());
   }

@@ -1,6 +1,7 @@
 # Debian packages of what install() copies, by `cpack -G DEB` in the build (./dev package):
 #   talus               commands with their manuals, and the configurations and worlds in /usr/share/talus
 #   talus-mrpt-plugin   libtalus-mrpt.so, where loadPluginModules("libtalus-mrpt.so") finds it
+#   python3-talus       import talus, where the build has it
 #   libtalus-dev        static libraries, headers, what find_package(talus) reads, examples
 # For the Debian they are made on: its libraries are what they need.
 set(codename)
@@ -32,6 +33,10 @@ if(NOT TALUS_WITH_MRPT)
   set(CPACK_COMPONENTS_ALL dev)
   set(TALUS_PACKAGES libtalus-dev)
 endif()
+if(TALUS_PYTHON_MODULE)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  list(APPEND TALUS_PACKAGES python3-talus)
+endif()
 
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_NAME talus)
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_SECTION science)
@@ -45,6 +50,12 @@ set(CPACK_DEBIAN_PLUGIN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PLUGIN_PACKAGE_DEPENDS "fonts-dejavu-core")
 set(CPACK_DEBIAN_PLUGIN_PACKAGE_SUGGESTS mrpt-apps)
 set(CPACK_COMPONENT_PLUGIN_DESCRIPTION "Terrain map of talus for programs of MRPT")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-talus)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${TALUS_PYTHON_NEEDS}")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, jupyter-notebook")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Terrain maps for ground robots: module for Python")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libtalus-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libtbb-dev")

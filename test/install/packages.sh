@@ -24,7 +24,9 @@ into() {  # dpkg of a folder: what other packages have to be there is not looked
 say "making"
 (cd "$build" && cpack -G DEB -B "$scratch/made" >"$scratch/cpack.txt" 2>&1) || { tail -20 "$scratch/cpack.txt"; stop "cpack"; }
 mapfile -t debs < <(find "$scratch/made" -name '*.deb' | sort)
-[ ${#debs[@]} -eq 3 ] || stop "not three packages: ${debs[*]}"
+count=3
+[ ! -e "$build/python/talus" ] || count=4
+[ ${#debs[@]} -eq $count ] || stop "not $count packages: ${debs[*]}"
 for deb in "${debs[@]}"; do
   dpkg-deb --field "$deb" Package Version Depends | cut -c 1-110
 done
@@ -74,6 +76,11 @@ plugin=$(find "$root" -name libtalus-mrpt.so)
 LD_LIBRARY_PATH=$(dirname "$plugin") rawlog-edit -p libtalus-mrpt.so --info -i terrain.rawlog >info.txt 2>&1
 grep -q "terrain / *11 " info.txt || { cat info.txt; stop "rawlog-edit"; }
 
+if [ $count -eq 4 ]; then
+  say "import talus"
+  PYTHONPATH=$root/lib/python3/dist-packages /usr/bin/python3 -B -c "import talus; print(talus.Map(backend='cpu')['ground'].shape)"
+fi
+
 say "a program of one's own"
 cmake -S "$here" -B consumer -DCMAKE_PREFIX_PATH="$root" -DCMAKE_BUILD_TYPE=Release "$@" >/dev/null
 cmake --build consumer >consumer.txt 2>&1 || { tail -20 consumer.txt; stop "the consumer"; }
@@ -81,7 +88,8 @@ consumer/consumer
 consumer/only_linked
 
 say "removing"
-into --purge talus talus-mrpt-plugin libtalus-dev
+mapfile -t names < <(printf '%s\n' "${debs[@]##*/}" | cut -d_ -f1)
+into --purge "${names[@]}"
 left=$(find "$scratch/root" -not -type d)
 [ -z "$left" ] || stop "left: $left"
 echo "nothing left"

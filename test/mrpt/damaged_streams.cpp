@@ -386,7 +386,7 @@ TEST(OptionsSetInCode, are_shown_as_they_are_and_refused_where_they_are_used)
   ObstacleOptions obstacles;
   obstacles.unseen = static_cast<Unseen>(7);
   obstacles.dumpToTextStream(text);
-  EXPECT_THROW(classify_cells(map.mapper(), {}, obstacles), std::invalid_argument);
+  EXPECT_THROW(classify_cells(map.mapper(), CPose3D(), obstacles), std::invalid_argument);
 }
 
 TEST(DamagedSnapshot, has_one_limit_of_its_window_with_the_map)

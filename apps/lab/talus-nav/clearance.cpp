@@ -1,6 +1,4 @@
-#include "ground_cost.h"
-
-#include "footprints.h"
+#include "clearance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +21,7 @@ struct Kept
 };
 
 std::vector<Kept> near_places(
-    const std::vector<BlockedPlace>& places, const RobotBody& body, double within_m, bool narrow)
+    const std::vector<BlockedPlace>& places, const Footprint& robot, double within_m, bool narrow)
 {
   std::vector<Kept> out;
   double nearest_m = kKeepAway_m, nearest_edge_m = kKeepAway_m;
@@ -33,7 +31,7 @@ std::vector<Kept> near_places(
     const bool close = narrow && !p.is_edge;
     out.push_back(
         {p.x_m, p.y_m, close ? kKeepAwayWhereNarrow_m : kKeepAway_m,
-         to_outline_m(p.x_m, p.y_m, body.length_m, body.width_m), p.is_edge});
+         robot.outside_m({p.x_m, p.y_m}), p.is_edge});
     if (p.is_edge)
       nearest_edge_m = std::min(nearest_edge_m, out.back().now_m);
     else if (!close)
@@ -50,7 +48,7 @@ std::vector<Kept> near_places(
 
 /** Whether a robot that went on for a time with these speeds keeps away. */
 bool is_clear_after(
-    const std::vector<Kept>& places, const RobotBody& body, double v_mps, double w_radps,
+    const std::vector<Kept>& places, const Footprint& robot, double v_mps, double w_radps,
     double time_s)
 {
   const double yaw_rad = w_radps * time_s, c = std::cos(yaw_rad), s = std::sin(yaw_rad);
@@ -62,8 +60,7 @@ bool is_clear_after(
       [&](const Kept& p)
       {
         const double dx = p.x_m - x_m, dy = p.y_m - y_m;
-        return to_outline_m(c * dx + s * dy, -s * dx + c * dy, body.length_m, body.width_m) >=
-               p.away_m;
+        return robot.outside_m({c * dx + s * dy, -s * dx + c * dy}) >= p.away_m;
       });
 }
 }  // namespace
@@ -72,14 +69,15 @@ double clear_time_s(
     const std::vector<BlockedPlace>& places, const RobotBody& body, double v_mps, double w_radps,
     double most_s, bool narrow)
 {
-  const double corner_m = std::hypot(body.length_m, body.width_m) / 2;
+  const Footprint robot = body.footprint();
+  const double corner_m = robot.reach_m();
   const double fastest_mps = std::abs(v_mps) + std::abs(w_radps) * corner_m;
   if (fastest_mps == 0) return most_s;
   const double step_s = kStep_m / fastest_mps;
   const auto near =
-      near_places(places, body, corner_m + kKeepAway_m + std::abs(v_mps) * most_s, narrow);
+      near_places(places, robot, corner_m + kKeepAway_m + std::abs(v_mps) * most_s, narrow);
   for (double t = step_s; t < most_s + step_s; t += step_s)
-    if (!is_clear_after(near, body, v_mps, w_radps, t)) return t - step_s;
+    if (!is_clear_after(near, robot, v_mps, w_radps, t)) return t - step_s;
   return most_s;
 }
 

@@ -26,26 +26,26 @@ double between_m(const RoutePose& a, const RoutePose& b)
 bool is_turn(const RoutePose& a, const RoutePose& b) { return between_m(a, b) < 1e-6; }
 
 /** The last pose at the place of this one. */
-std::size_t last_here(const std::vector<RoutePose>& way, std::size_t i)
+std::size_t last_here(const Route& route, std::size_t i)
 {
-  while (i + 1 < way.size() && is_turn(way[i], way[i + 1])) i++;
+  while (i + 1 < route.size() && is_turn(route[i], route[i + 1])) i++;
   return i;
 }
 
 /** The first pose from `i` on at which a robot has to stop: a sharp turn, a change of direction, or
  * the end. */
-std::size_t end_of_leg(const std::vector<RoutePose>& way, std::size_t i)
+std::size_t end_of_leg(const Route& route, std::size_t i)
 {
-  for (; i + 1 < way.size(); i++)
+  for (; i + 1 < route.size(); i++)
   {
-    const std::size_t last = last_here(way, i);
-    const bool sharp = std::abs(between_rad(way[i].yaw_rad, way[last].yaw_rad)) > kSharp_rad;
-    const bool reverses =
-        last + 1 < way.size() && last > 0 && i > 0 && way[last + 1].backwards != way[i].backwards;
+    const std::size_t last = last_here(route, i);
+    const bool sharp = std::abs(between_rad(route[i].yaw_rad, route[last].yaw_rad)) > kSharp_rad;
+    const bool reverses = last + 1 < route.size() && last > 0 && i > 0 &&
+                          route[last + 1].backwards != route[i].backwards;
     if (sharp || reverses) return i;
     i = std::max(i, last);
   }
-  return way.size() - 1;
+  return route.size() - 1;
 }
 
 Speeds turn(double off_rad)
@@ -55,65 +55,55 @@ Speeds turn(double off_rad)
 }
 
 template <class Holds>
-bool any_ahead(
-    const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m,
-    const Holds& holds)
+bool any_ahead(const Route& route, const Pose2& robot, double ahead_m, const Holds& holds)
 {
   double gone_m = 0;
-  for (std::size_t i = nearest_on(way, robot); i < way.size() && gone_m <= ahead_m; i++)
+  for (std::size_t i = nearest_on(route, robot); i < route.size() && gone_m <= ahead_m; i++)
   {
-    if (holds(way[i])) return true;
-    if (i + 1 < way.size()) gone_m += between_m(way[i], way[i + 1]);
+    if (holds(route[i])) return true;
+    if (i + 1 < route.size()) gone_m += between_m(route[i], route[i + 1]);
   }
   return false;
 }
 }  // namespace
 
-std::size_t nearest_on(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot)
+bool is_narrow(const Route& route, const Pose2& robot, double ahead_m)
 {
-  const auto away_m = [&robot](const RoutePose& p)
-  { return std::hypot(p.x_m - robot.x, p.y_m - robot.y); };
-  std::size_t nearest = 0;
-  for (std::size_t i = 0; i < way.size(); i++)
-    if (away_m(way[i]) < away_m(way[nearest])) nearest = i;
-  return nearest;
+  return any_ahead(
+      route, robot, ahead_m, [](const RoutePose& p) { return p.narrow || p.backwards; });
 }
 
-bool is_narrow(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m)
+bool is_tilted(const Route& route, const Pose2& robot, double ahead_m)
 {
-  return any_ahead(way, robot, ahead_m, [](const RoutePose& p) { return p.narrow || p.backwards; });
+  return any_ahead(route, robot, ahead_m, [](const RoutePose& p) { return p.tilted; });
 }
 
-bool is_tilted(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot, double ahead_m)
+Speeds Follower::follow(const Route& route, const Pose2& robot)
 {
-  return any_ahead(way, robot, ahead_m, [](const RoutePose& p) { return p.tilted; });
-}
-
-Speeds Follower::follow(const std::vector<RoutePose>& way, const mrpt::math::TPose2D& robot)
-{
-  std::size_t at = nearest_on(way, robot);
-  std::size_t end = end_of_leg(way, at);
+  std::size_t at = nearest_on(route, robot);
+  std::size_t end = end_of_leg(route, at);
   const auto away_m = [&](std::size_t i)
-  { return std::hypot(way[i].x_m - robot.x, way[i].y_m - robot.y); };
-  if (away_m(end) < kThere_m && end + 1 < way.size())
+  { return std::hypot(route[i].x_m - robot.x_m, route[i].y_m - robot.y_m); };
+  if (away_m(end) < kThere_m && end + 1 < route.size())
   {
-    at = last_here(way, end);
-    const double off_rad = between_rad(robot.phi, way[at].yaw_rad);
+    at = last_here(route, end);
+    const double off_rad = between_rad(robot.yaw_rad, route[at].yaw_rad);
     turns_ = std::abs(off_rad) > (turns_ ? kTurnTo_rad : kTurnFrom_rad);
     if (turns_) return turn(off_rad);
-    end = end_of_leg(way, at + 1);
+    end = end_of_leg(route, at + 1);
   }
   std::size_t ahead = std::min(at + 1, end);
   while (ahead < end && away_m(ahead) < kLookAhead_m) ahead++;
-  const bool backwards = way[ahead].backwards;
-  auto to = robot.inverseComposePoint(mrpt::math::TPoint2D(way[ahead].x_m, way[ahead].y_m));
-  if (backwards) to = {-to.x, -to.y};
-  const double off_rad = std::atan2(to.y, to.x);
+  const bool backwards = route[ahead].backwards;
+  auto to = robot.to_robot({route[ahead].x_m, route[ahead].y_m});
+  if (backwards) to = {-to.x_m, -to.y_m};
+  const double off_rad = std::atan2(to.y_m, to.x_m);
   turns_ = std::abs(off_rad) > (turns_ ? kTurnTo_rad : kTurnFrom_rad);
   if (turns_) return turn(off_rad);
   const double v_mps = std::min(kFollowSpeed_mps, std::max(0.08, 2 * away_m(ahead)));
-  const double w_radps =
-      std::clamp(v_mps * 2 * to.y / std::max(to.sqrNorm(), 0.01), -kTurn_radps, kTurn_radps);
+  const double w_radps = std::clamp(
+      v_mps * 2 * to.y_m / std::max(to.x_m * to.x_m + to.y_m * to.y_m, 0.01), -kTurn_radps,
+      kTurn_radps);
   return {backwards ? -v_mps : v_mps, w_radps};
 }
 

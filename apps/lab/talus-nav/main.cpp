@@ -1,4 +1,5 @@
 // talus-nav: a robot, its LiDAR, the map and MRPT's planners in a closed loop, without a display.
+#include "start_costmap.h"
 #include "../../common/child_process.h"
 #include "../../common/crash_context.h"
 #include "../../common/log_name.h"
@@ -106,9 +107,9 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
   mission_options.goal = {o.goal[0], o.goal[1]};
   mission_options.timeout_s = o.timeout_s;
   const auto map = make_source(o, settings, robot.body());
-  Route route(
-      world, {robot.x_m(), robot.y_m()}, mission_options.goal, kCostmapCell_m, robot.body(),
-      [&map](const mrpt::math::TPose2D& at) { return map->ground_cost(at); });
+  Planner planner(
+      robot.body().footprint(),
+      start_costmap(world, {robot.x_m(), robot.y_m()}, mission_options.goal, kCostmapCell_m));
   const fs::path cache = fs::path(folder) / "cache";
   fs::create_directories(cache);
   fs::create_directories(fs::path(folder) / "frames");
@@ -118,10 +119,10 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
   {
     if (o.every > 0 && m.steps.size() % static_cast<std::size_t>(o.every) == 1 % o.every)
       talus::io::write_png(
-          frame_path(folder, m.steps.size()), painter.draw(m, route, pilot, title(o, m, false)));
+          frame_path(folder, m.steps.size()), painter.draw(m, planner, pilot, title(o, m, false)));
   };
-  auto result = run_mission(world, robot, *map, pilot, route, mission_options, on_step);
-  write_results(folder, o, result, painter.draw(result, route, pilot, title(o, result, true)));
+  auto result = run_mission(world, robot, *map, pilot, planner, mission_options, on_step);
+  write_results(folder, o, result, painter.draw(result, planner, pilot, title(o, result, true)));
   if (map->terrain())
     talus::io::write_geotiff(
         (fs::path(folder) / "map.tif").string(), talus::io::snapshot(*map->terrain()));

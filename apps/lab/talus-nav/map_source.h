@@ -1,11 +1,10 @@
 #pragma once
 #include "simulated_robot.h"
 
-#include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CSimplePointsMap.h>
-#include <mrpt/math/TPose2D.h>
 #include <mrpt/poses/CPose3D.h>
-#include <talus/mrpt/obstacles.h>
+#include <talus/mrpt/pose_from.h>
+#include <talus/nav/route.h>
 #include <talus/sim/scanner.h>
 
 #include <cmath>
@@ -51,12 +50,11 @@ class MapSource
       double within_m) = 0;
   /** What the ground does with the robot at a pose, [0, 1]; 1: it must not stand there, NaN: that
    * is not known. */
-  virtual double ground_cost(const mrpt::math::TPose2D&) const { return NAN; }
+  virtual double ground_cost(const Pose2&) const { return NAN; }
   /** Writes what is known around the robot into the costmap. */
-  virtual void update_costmap(
-      const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) = 0;
+  virtual void update_costmap(const mrpt::poses::CPose3D& T_map_base, Costmap& costmap) = 0;
   /** Blocks what must have been seen by now and was not: not for good, it may be seen yet. */
-  virtual void block_unseen(const mrpt::poses::CPose3D&, mrpt::maps::COccupancyGridMap2D&) {}
+  virtual void block_unseen(const mrpt::poses::CPose3D&, Costmap&) {}
   /** How far the ground is known on the way of a command, from the base on, in a corridor of this
    * width. */
   virtual Ahead ahead(

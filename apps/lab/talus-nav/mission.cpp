@@ -1,8 +1,5 @@
 #include "mission.h"
 
-#include "follow.h"
-#include "unseen.h"
-
 #include <mrpt/core/Clock.h>
 
 #include <chrono>
@@ -18,8 +15,7 @@ using mrpt::poses::CPose3D;
 constexpr double kStep_s = 0.1, kFirstStamp_s = 1700000000.0;
 constexpr int kStepsPerPlan = 5;
 constexpr int kPlansWithoutWay = 10;  // in a row: blocked
-constexpr int kLooks = 16;
-constexpr double kLookStep_m = 0.15;
+constexpr double kMap_m = 4;  // as far from the robot as the window of the shipped settings reaches
 constexpr int kChecksPerStep = 2;  // of collisions
 
 double ms_of(const std::function<void()>& work)
@@ -49,13 +45,13 @@ class Mission
 {
  public:
   Mission(
-      const sim::World& world, SimulatedRobot& robot, MapSource& map, Pilot& pilot, Route& route,
-      const MissionOptions& options)
+      const sim::World& world, SimulatedRobot& robot, MapSource& map, Pilot& pilot,
+      Planner& planner, const MissionOptions& options)
       : T_base_sensor_(to_mrpt(world.sensors[0].T_base_sensor)),
         robot_(robot),
         map_(map),
         pilot_(pilot),
-        route_(route),
+        planner_(planner),
         o_(options)
   {
   }
@@ -106,47 +102,22 @@ class Mission
 
   void plan(const CPose3D& T)
   {
-    const mrpt::math::TPose2D here(T.x(), T.y(), T.yaw());
-    route_.cover(here);
-    map_.update_costmap(T, route_.costmap());
-    auto known = route_.costmap();
+    const Pose2 here{T.x(), T.y(), T.yaw()};
+    Costmap& costmap = planner_.costmap();
+    costmap.cover(here.x_m - kMap_m, here.x_m + kMap_m, here.y_m - kMap_m, here.y_m + kMap_m);
+    map_.update_costmap(T, costmap);
+    Costmap known = costmap;
     map_.block_unseen(T, known);
-    unseen_.remember(here, route_.costmap(), known);
-    auto remembered = known;
-    const bool remembers = unseen_.block(remembered);
-    auto hoped = known;
-    admit_doubtful(hoped);  // to go and look
-    has_way_ = (remembers && route_.plan(here, remembered)) || route_.plan(here, known) ||
-               route_.plan(here, hoped) || look_from(here) || route_.plan_beyond(here, known) ||
-               route_.plan_beyond(here, hoped);
+    has_way_ = planner_.plan(
+        here, o_.goal, known, [this](const Pose2& at) { return map_.ground_cost(at); });
     plans_without_way_ = has_way_ ? 0 : plans_without_way_ + 1;
-  }
-
-  /** A way over what must have been seen by now and was not, as behind a corner, and closely past
-   * edges: the pilot stops before it comes too near, and sees more from there. False where that did
-   * not help. */
-  bool look_from(const mrpt::math::TPose2D& here)
-  {
-    if (std::hypot(here.x - looks_from_.x, here.y - looks_from_.y) > kLookStep_m)
-    {
-      looks_ = 0;
-      looks_from_ = here;
-    }
-    if (looks_ == kLooks) return false;
-    looks_++;
-    auto daring = route_.costmap();
-    admit_doubtful(daring);
-    for (int y = 0; y < static_cast<int>(daring.getSizeY()); y++)
-      for (int x = 0; x < static_cast<int>(daring.getSizeX()); x++)
-        if (daring.getCell(x, y) <= kBlockedUpTo) daring.setCell(x, y, 0);  // no margin of edges
-    return route_.plan(here, daring);
   }
 
   void steer(const CPose3D& T)
   {
     if (const auto back = retreat_.target(robot_.time_s(), {T.x(), T.y()}))
-      return pilot_.creep(T, *back);
-    pilot_.step(T, route_, o_.look_ahead_m);
+      return pilot_.creep(T, {back->x_m, back->y_m});
+    pilot_.step(T, planner_.route(), o_.look_ahead_m);
   }
 
   void halt()
@@ -169,7 +140,7 @@ class Mission
 
   bool has_ended(MissionResult& result) const
   {
-    if (std::hypot(robot_.x_m() - o_.goal.x, robot_.y_m() - o_.goal.y) <= o_.arrived_m)
+    if (std::hypot(robot_.x_m() - o_.goal.x_m, robot_.y_m() - o_.goal.y_m) <= o_.arrived_m)
       return end(result, Ending::Arrived, "reached the goal");
     if (plans_without_way_ >= kPlansWithoutWay)
       return end(result, Ending::Blocked, "found no way to the goal");
@@ -195,12 +166,9 @@ class Mission
   SimulatedRobot& robot_;
   MapSource& map_;
   Pilot& pilot_;
-  Route& route_;
+  Planner& planner_;
   Retreat retreat_;
-  Unseen unseen_;
   const MissionOptions& o_;
-  mrpt::math::TPose2D looks_from_{1e9, 1e9, 0};
-  int looks_ = 0;  //!< plans from about there over what was not seen
   int count_ = 0, plans_without_way_ = 0;
   bool has_way_ = false;
 };
@@ -224,11 +192,11 @@ std::string ending_name(Ending ending)
 }
 
 MissionResult run_mission(
-    const sim::World& world, SimulatedRobot& robot, MapSource& map, Pilot& pilot, Route& route,
+    const sim::World& world, SimulatedRobot& robot, MapSource& map, Pilot& pilot, Planner& planner,
     const MissionOptions& options, const std::function<void(const MissionResult&)>& on_step)
 {
   MissionResult result;
-  Mission mission(world, robot, map, pilot, route, options);
+  Mission mission(world, robot, map, pilot, planner, options);
   for (bool ended = false; !ended;)
   {
     ended = mission.step(result);

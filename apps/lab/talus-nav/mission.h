@@ -1,7 +1,6 @@
 #pragma once
 #include "map_source.h"
 #include "pilot.h"
-#include "route.h"
 #include "simulated_robot.h"
 
 #include <functional>
@@ -32,7 +31,7 @@ struct Step
 
 struct MissionOptions
 {
-  mrpt::math::TPoint2D goal;
+  Point2 goal;
   double arrived_m = 0.4;  //!< the robot's middle this near to the goal has arrived
   double timeout_s = 180;  //!< of the simulated time
   double look_ahead_m = 1.6;  //!< how far along the route the navigator's target lies
@@ -48,7 +47,7 @@ struct MissionResult
 
 /** Drives to the goal. `on_step` is called after each step. */
 MissionResult run_mission(
-    const sim::World& world, SimulatedRobot& robot, MapSource& map, Pilot& pilot, Route& route,
+    const sim::World& world, SimulatedRobot& robot, MapSource& map, Pilot& pilot, Planner& planner,
     const MissionOptions& options, const std::function<void(const MissionResult&)>& on_step);
 
 }  // namespace talus::nav

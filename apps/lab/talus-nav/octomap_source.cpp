@@ -2,13 +2,14 @@
 
 #include <mrpt/maps/COctoMap.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace talus::nav
 {
 namespace
 {
-constexpr float kObstacle = 0.05F, kFree = 0.9F;  // probability of being free
+constexpr float kFree = 0.9F;  // probability
 
 class OctomapSource : public MapSource
 {
@@ -58,8 +59,7 @@ class OctomapSource : public MapSource
     return out;
   }
 
-  void update_costmap(
-      const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
+  void update_costmap(const mrpt::poses::CPose3D& T_map_base, Costmap& costmap) override
   {
     double last_x = NAN, last_y = NAN;  // voxels come column by column
     bool blocked = false;
@@ -71,7 +71,7 @@ class OctomapSource : public MapSource
           last_x = x;
           last_y = y;
           blocked = blocked || occupied;
-          paint(grid, x, y, blocked ? kObstacle : kFree);
+          paint(costmap, x, y, blocked ? kObstacle : kFree);
         });
   }
 
@@ -100,14 +100,16 @@ class OctomapSource : public MapSource
       }
   }
 
-  void paint(mrpt::maps::COccupancyGridMap2D& grid, double x, double y, float p) const
+  void paint(Costmap& costmap, double x, double y, float p) const
   {
     const double half = 0.5 * o_.voxel_m;
-    const auto last_x = grid.x2idx(static_cast<float>(x + half - 1e-3));
-    const auto last_y = grid.y2idx(static_cast<float>(y + half - 1e-3));
-    for (int ix = grid.x2idx(static_cast<float>(x - half + 1e-3)); ix <= last_x; ix++)
-      for (int iy = grid.y2idx(static_cast<float>(y - half + 1e-3)); iy <= last_y; iy++)
-        grid.setCell(ix, iy, p);
+    const auto cell = [&](double at_m, double min_m)
+    { return static_cast<int>(std::floor((at_m - min_m) / costmap.resolution_m)); };
+    const int last_x = std::min(cell(x + half - 1e-3, costmap.min_x_m()), costmap.columns - 1);
+    const int last_y = std::min(cell(y + half - 1e-3, costmap.min_y_m()), costmap.rows - 1);
+    for (int iy = std::max(cell(y - half + 1e-3, costmap.min_y_m()), 0); iy <= last_y; iy++)
+      for (int ix = std::max(cell(x - half + 1e-3, costmap.min_x_m()), 0); ix <= last_x; ix++)
+        costmap.free[costmap.index(ix, iy)] = p;
   }
 
   OctomapOptions o_;

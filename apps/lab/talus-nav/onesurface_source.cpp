@@ -28,8 +28,7 @@ class OneSurfaceSource : public MapSource
   OneSurfaceSource(const Parameters& p, const ObstacleOptions& options)
       : parameters_(p), options_(options), map_(baselines::make_method("highest", p))
   {
-    options_.unseen =
-        talus::Unseen::Free;  // it knows nothing of the ground below a robot that starts
+    options_.unseen = Unseen::Free;  // it knows nothing of the ground below a robot that starts
   }
 
   void insert(
@@ -47,10 +46,9 @@ class OneSurfaceSource : public MapSource
     return look_around(now_, T_map_base, options_, prism_heights_m, within_m);
   }
 
-  void update_costmap(
-      const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
+  void update_costmap(const mrpt::poses::CPose3D& T_map_base, Costmap& costmap) override
   {
-    talus::update_costmap(now_, T_map_base, options_, grid);
+    nav::update_costmap(now_, pose_from(T_map_base), options_, costmap);
   }
 
  private:

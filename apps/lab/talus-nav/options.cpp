@@ -2,6 +2,7 @@
 
 #include "../../common/command_line.h"
 #include "results.h"
+#include "start_costmap.h"
 
 #include <talus/mrpt/parameters_ini.h>
 
@@ -47,7 +48,7 @@ void add_mission(CLI::App& app, Options& o)
       ->type_name("");
   app.add_option("--goal", o.goal, "Where to go, map frame [m]; " + what_arrived_means())
       ->required()
-      ->check(app::between(-Route::kFarthest_m, Route::kFarthest_m))
+      ->check(app::between(-kFarthest_m, kFarthest_m))
       ->delimiter(',')
       ->expected(2)
       ->type_name("X,Y");

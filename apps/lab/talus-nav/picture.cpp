@@ -19,7 +19,7 @@ constexpr double kCell_m = 0.05;
 constexpr int kPixelsPerCell = 3;
 constexpr int kMinWidth_px = 760;  // of the picture, for its words
 
-const cv::Scalar kPoints(66, 228, 240), kKnownBlocked(56, 142, 246), kMayDrop(160, 60, 120);
+const cv::Scalar kPoints(66, 228, 240), kKnownBlocked(56, 142, 246), kMayDropColour(160, 60, 120);
 const cv::Vec3b kBlocked(70, 62, 58);
 constexpr int kLowGrey = 150, kHighGrey = 245;
 
@@ -34,10 +34,12 @@ cv::Scalar drivable_colour(double traversability) { return score_bgr(0.5 + 0.5 *
 const cv::Scalar kCostmap = score_bgr(0), kJudgedFree = score_bgr(1.0 / 3);
 
 sim::Truth truth_around(
-    const sim::World& world, const mrpt::maps::COccupancyGridMap2D& grid, const RobotBody& body,
-    double time_s)
+    const sim::World& world, const Costmap& grid, const RobotBody& body, double time_s)
 {
-  const sim::Bounds area{{grid.getXMin(), grid.getYMin(), 0}, {grid.getXMax(), grid.getYMax(), 0}};
+  const sim::Bounds area{
+      {grid.min_x_m(), grid.min_y_m(), 0},
+      {grid.min_x_m() + grid.columns * grid.resolution_m,
+       grid.min_y_m() + grid.rows * grid.resolution_m, 0}};
   sim::TruthOptions options;
   options.clearance_m = body.height_m;
   options.samples = 3;
@@ -47,8 +49,8 @@ sim::Truth truth_around(
 /** Of a cell that is free with this probability; costmap_from_map() says how they are made. */
 std::optional<cv::Scalar> costmap_colour(float p)
 {
-  if (p < kStandsBelow || is_known_edge(p)) return kCostmap;
-  if (p <= kBlockedUpTo) return kMayDrop;
+  if (p < kStandsBelow || p == kEdge) return kCostmap;
+  if (p <= kBlockedUpTo) return kMayDropColour;
   if (p < 0.525F) return io::kUnknownColour;  // kHopeful
   if (p < 0.555F) return kJudgedFree;  // traversability 0, and yet no obstacle
   return drivable_colour(std::clamp((p - 0.55) / 0.4, 0.0, 1.0));
@@ -80,7 +82,7 @@ std::vector<std::vector<LegendItem>> legend()
       {{Mark::None, "What the robot knows:"},
        {Mark::Ramp, "hardly to well traversable", {}, ramp(drivable_colour)},
        {Mark::Area, "blocked", kCostmap},
-       {Mark::Area, "may drop, so blocked", kMayDrop},
+       {Mark::Area, "may drop, so blocked", kMayDropColour},
        {Mark::Area, "taken as free", kJudgedFree},
        {Mark::Area, "unknown", io::kUnknownColour}},
       {{Mark::None, "Both:"},
@@ -129,9 +131,9 @@ cv::Point2d Painter::pixel(double x_m, double y_m) const
   return {(x_m - min_x_m_) * scale, (max_y_m_ - y_m) * scale};
 }
 
-void Painter::paint_truth(const Route& route, double time_s)
+void Painter::paint_truth(const Planner& planner, double time_s)
 {
-  const auto truth = truth_around(world_, route.costmap(), body_, time_s);
+  const auto truth = truth_around(world_, planner.costmap(), body_, time_s);
   const auto& w = truth.window;
   const auto [low, high] = std::minmax_element(truth.ground.begin(), truth.ground.end());
   const float span = std::max(0.3F, *high - *low);
@@ -177,15 +179,17 @@ void Painter::paint_robot(io::Canvas& canvas, const Step& at) const
 
 /** Fills a square of this side for each cell of the costmap that has a colour. */
 void Painter::paint_cells(
-    cv::Mat& image, const Route& route, int side_px, const CellColour& colour_of) const
+    cv::Mat& image, const Planner& planner, int side_px, const CellColour& colour_of) const
 {
-  const auto& grid = route.costmap();
-  for (unsigned iy = 0; iy < grid.getSizeY(); iy++)
-    for (unsigned ix = 0; ix < grid.getSizeX(); ix++)
+  const auto& grid = planner.costmap();
+  for (int iy = 0; iy < grid.rows; iy++)
+    for (int ix = 0; ix < grid.columns; ix++)
     {
-      const auto colour = colour_of(grid.getCell(static_cast<int>(ix), static_cast<int>(iy)));
+      const auto colour = colour_of(grid.free[grid.index(ix, iy)]);
       if (!colour) continue;
-      const auto middle = pixel(grid.idx2x(ix), grid.idx2y(iy));
+      const auto middle = pixel(
+          grid.min_x_m() + (ix + 0.5) * grid.resolution_m,
+          grid.min_y_m() + (iy + 0.5) * grid.resolution_m);
       const cv::Point at(static_cast<int>(middle.x), static_cast<int>(middle.y));
       const cv::Rect square =
           cv::Rect(at.x - 1, at.y - 1, side_px, side_px) & cv::Rect(0, 0, image.cols, image.rows);
@@ -194,14 +198,14 @@ void Painter::paint_cells(
 }
 
 cv::Mat Painter::with_mission(
-    const cv::Mat& image, const MissionResult& mission, const Route& route,
+    const cv::Mat& image, const MissionResult& mission, const Planner& planner,
     const Pilot& pilot) const
 {
   io::Canvas canvas(image.cols, image.rows);
   canvas.paste(image, 0, 0);
   const Step& at = mission.steps.back();
   std::vector<cv::Point2d> way, driven;
-  for (const auto& p : route.way()) way.push_back(pixel(p.x_m, p.y_m));
+  for (const auto& p : planner.route()) way.push_back(pixel(p.x_m, p.y_m));
   for (const auto& s : mission.steps) driven.push_back(pixel(s.x_m, s.y_m));
   draw_way(canvas, way, io::kPaper, io::kInk);
   draw_way(canvas, driven, io::kInk, io::kPaper);
@@ -214,23 +218,23 @@ cv::Mat Painter::with_mission(
     const cv::Point middle(pixel(at.x_m + c * x - s * y, at.y_m + s * x + c * y));
     canvas.fill({middle - cv::Point(2, 2), cv::Size(5, 5)}, kPoints);
   }
-  draw_cross(canvas, pixel(options_.goal.x, options_.goal.y));
+  draw_cross(canvas, pixel(options_.goal.x_m, options_.goal.y_m));
   draw_scale_bar(canvas);
   return canvas.image();
 }
 
 cv::Mat Painter::draw(
-    const MissionResult& mission, const Route& route, const Pilot& pilot, const std::string& title)
+    const MissionResult& mission, const Planner& planner, const Pilot& pilot,
+    const std::string& title)
 {
   const int columns = background_.cols / kPixelsPerCell, rows = background_.rows / kPixelsPerCell;
-  const bool grew = columns != static_cast<int>(route.costmap().getSizeX()) ||
-                    rows != static_cast<int>(route.costmap().getSizeY());
-  if (grew || !world_.movers.empty()) paint_truth(route, mission.steps.back().time_s);
+  const bool grew = columns != planner.costmap().columns || rows != planner.costmap().rows;
+  if (grew || !world_.movers.empty()) paint_truth(planner, mission.steps.back().time_s);
   cv::Mat truth = background_.clone();
-  paint_cells(truth, route, 2, obstacle_colour);
+  paint_cells(truth, planner, 2, obstacle_colour);
   cv::Mat known(truth.size(), truth.type(), io::kUnknownColour);
-  paint_cells(known, route, kPixelsPerCell, costmap_colour);
-  for (cv::Mat* image : {&truth, &known}) *image = with_mission(*image, mission, route, pilot);
+  paint_cells(known, planner, kPixelsPerCell, costmap_colour);
+  for (cv::Mat* image : {&truth, &known}) *image = with_mission(*image, mission, planner, pilot);
   const int width_px = std::max(truth.cols, kMinWidth_px);
   cv::Mat all;
   cv::vconcat(

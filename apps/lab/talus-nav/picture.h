@@ -21,18 +21,18 @@ class Painter
    * driven, the robot, the obstacle points given to the navigator and the goal. Above, the truth
    * and the costmap's obstacles. Below, what the robot knows: its costmap. */
   cv::Mat draw(
-      const MissionResult& mission, const Route& route, const Pilot& pilot,
+      const MissionResult& mission, const Planner& planner, const Pilot& pilot,
       const std::string& title);
 
  private:
   cv::Point2d pixel(double x_m, double y_m) const;
-  void paint_truth(const Route& route, double time_s);
+  void paint_truth(const Planner& planner, double time_s);
   void hatch_below(const sim::Truth& truth);
   using CellColour = std::function<std::optional<cv::Scalar>(float)>;  //!< none: leave it
   void paint_cells(
-      cv::Mat& image, const Route& route, int side_px, const CellColour& colour_of) const;
+      cv::Mat& image, const Planner& planner, int side_px, const CellColour& colour_of) const;
   cv::Mat with_mission(
-      const cv::Mat& image, const MissionResult& mission, const Route& route,
+      const cv::Mat& image, const MissionResult& mission, const Planner& planner,
       const Pilot& pilot) const;
   void paint_robot(io::Canvas& canvas, const Step& at) const;
 

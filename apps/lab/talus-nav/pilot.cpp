@@ -1,7 +1,7 @@
 #include "pilot.h"
 
 #include "../../common/crash_context.h"
-#include "ground_cost.h"
+#include "clearance.h"
 #include "planner_ini.h"
 #include "settings.h"
 
@@ -162,8 +162,8 @@ double RobotInterface::ground_share(double v_mps, double w_radps) const
   {
     const double along_m = std::copysign(ahead_m, v_mps);
     const auto end = end_of_arc(along_m, curvature);
-    const double cost =
-        map_.ground_cost(here() + mrpt::math::TPose2D(end.x, end.y, along_m * curvature));
+    const auto to = here() + mrpt::math::TPose2D(end.x, end.y, along_m * curvature);
+    const double cost = map_.ground_cost({to.x, to.y, to.phi});
     worst = std::fmax(worst, cost);  // NaN counts for nothing
   }
   return std::max(kCreep_mps, kOnEven_mps * (1 - worst)) / std::abs(v_mps);
@@ -258,9 +258,10 @@ Pilot::~Pilot() = default;
 void Pilot::step(const mrpt::poses::CPose3D& T_map_base, const Route& route, double ahead_m)
 {
   interface_.look(T_map_base);
-  const mrpt::math::TPoint2D target = route.target(interface_.pose_in_map(), ahead_m);
+  const Point2 ahead = point_ahead(route, from_above(pose_from(T_map_base)), ahead_m);
+  const mrpt::math::TPoint2D target(ahead.x_m, ahead.y_m);
   if (edge_out(target) || keep_to(route, target)) return;
-  const RoutePose& last = route.way().back();
+  const RoutePose& last = route.back();
   navigate(target, target == mrpt::math::TPoint2D(last.x_m, last.y_m));
 }
 
@@ -286,14 +287,15 @@ void Pilot::navigate(const mrpt::math::TPoint2D& target, bool is_last)
 bool Pilot::keep_to(const Route& route, const mrpt::math::TPoint2D& target)
 {
   const mrpt::math::TPose2D here = interface_.pose_in_map();
-  interface_.narrow = is_narrow(route.way(), here, kNarrowAhead_m);
+  const Pose2 at{here.x, here.y, here.phi};
+  interface_.narrow = is_narrow(route, at, kNarrowAhead_m);
   const mrpt::math::TPoint2D to = here.inverseComposePoint(target);
   if (is_stuck(kStuck_s) || std::abs(std::atan2(to.y, to.x)) > kTurnBackFrom_rad)
     keeps_until_s_ = robot_.time_s() + kKeep_s;
-  const bool must = interface_.narrow || is_tilted(route.way(), here, kNarrowAhead_m);
+  const bool must = interface_.narrow || is_tilted(route, at, kNarrowAhead_m);
   if (!must && robot_.time_s() >= keeps_until_s_) return false;
   navigator_->cancel();
-  const Speeds speeds = follower_.follow(route.way(), here);
+  const Speeds speeds = follower_.follow(route, at);
   interface_.drive(speeds.v_mps, speeds.w_radps);
   return true;
 }

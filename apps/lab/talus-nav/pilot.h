@@ -1,7 +1,6 @@
 #pragma once
 #include "follow.h"
 #include "map_source.h"
-#include "route.h"
 #include "simulated_robot.h"
 
 #include <mrpt/nav/reactive/CAbstractPTGBasedReactive.h>

@@ -17,7 +17,7 @@ struct Settings
   std::string name;  //!< of the file, for messages
   std::string ini;  //!< its text
   Parameters parameters;
-  ObstacleOptions obstacles;
+  talus::ObstacleOptions obstacles;
 };
 
 /** A file that cannot be read, or with which MRPT's navigator cannot work: its name, what is wrong

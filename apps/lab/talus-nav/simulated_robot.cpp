@@ -19,6 +19,20 @@ double approach(double value, double wanted, double most_change)
 }
 }  // namespace
 
+Footprint RobotBody::footprint() const
+{
+  Footprint f;
+  f.max_x_m = length_m / 2;
+  f.max_y_m = width_m / 2;
+  f.min_x_m = -f.max_x_m;
+  f.min_y_m = -f.max_y_m;
+  f.ground_clearance_m = climbs_m;
+  f.max_step_m = steps_m;
+  const double ahead_m = f.max_x_m - f.wheel_radius_m, left_m = f.max_y_m - f.wheel_radius_m;
+  f.wheels = {{ahead_m, left_m}, {ahead_m, -left_m}, {-ahead_m, left_m}, {-ahead_m, -left_m}};
+  return f;
+}
+
 SimulatedRobot::SimulatedRobot(const sim::World& world, const Noise& noise, std::uint64_t seed)
     : world_(world),
       noise_(noise),

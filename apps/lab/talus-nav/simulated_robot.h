@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/nav/heading_cost.h>
 #include <talus/sim/random.h>
 #include <talus/sim/scanner.h>
 #include <talus/sim/world.h>
@@ -14,6 +15,8 @@ struct RobotBody
   double wheel_radius_m = 0.15;
   double steps_m = 0.2;  //!< the highest step of the ground that it takes, up or down
   double reacts_s = 0.4, brakes_mps2 = 1.0;  //!< on what its driver counts to stop it
+
+  Footprint footprint() const;
 };
 
 /** What a robot has run into. */

@@ -1,8 +1,6 @@
-#include "ground_cost.h"
 #include "map_source.h"
 
-#include <mrpt/math/TPose2D.h>
-#include <talus/mrpt/observation_points.h>
+#include <ground_cost.h>
 
 #include <vector>
 
@@ -16,7 +14,7 @@ class TerrainSource : public MapSource
   TerrainSource(
       const Parameters& p, Backend backend, int threads, const ObstacleOptions& options,
       const RobotBody& body)
-      : map_(p, backend, threads), options_(options), ground_(body)
+      : map_(p, backend, threads), options_(options), ground_(body.footprint())
   {
   }
 
@@ -35,30 +33,25 @@ class TerrainSource : public MapSource
     return look_around(map_, T_map_base, options_, prism_heights_m, within_m);
   }
 
-  double ground_cost(const mrpt::math::TPose2D& robot) const override
-  {
-    return ground_.cost(map_, robot);
-  }
+  double ground_cost(const Pose2& robot) const override { return ground_.cost(map_, robot); }
 
-  void update_costmap(
-      const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
+  void update_costmap(const mrpt::poses::CPose3D& T_map_base, Costmap& costmap) override
   {
     ObstacleOptions o = options_;
-    o.unseen = talus::Unseen::Free;
-    talus::update_costmap(map_, T_map_base, o, grid);
+    o.unseen = Unseen::Free;
+    nav::update_costmap(map_, pose_from(T_map_base), o, costmap);
   }
 
-  void block_unseen(
-      const mrpt::poses::CPose3D& T_map_base, mrpt::maps::COccupancyGridMap2D& grid) override
+  void block_unseen(const mrpt::poses::CPose3D& T_map_base, Costmap& costmap) override
   {
-    talus::update_costmap(map_, T_map_base, options_, grid);
+    nav::update_costmap(map_, pose_from(T_map_base), options_, costmap);
   }
 
   Ahead ahead(
       const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps, double width_m) override
   {
     const auto ahead_m = [&](const ObstacleOptions& o)
-    { return known_ahead_m(map_, T_map_base, v_mps, w_radps, width_m, o); };
+    { return known_ahead_m(map_, pose_from(T_map_base), v_mps, w_radps, width_m, o); };
     const double dared_m = ahead_m(options_);
     if (options_.drops == Drops::Avoid) return {dared_m, dared_m};
     ObstacleOptions careful = options_;
@@ -95,22 +88,21 @@ Around look_around(
     const std::vector<double>& prism_heights_m, double within_m)
 {
   Around out;
-  const auto cells = classify_cells(map, T_map_base, options);
-  const auto edges = find_edges(map, T_map_base, cells);
+  const Pose T = pose_from(T_map_base);
+  const auto cells = classify_cells(map, T, options);
+  const auto edges = find_edges(map, T, cells);
   const Window w = map.window();
-  const mrpt::math::TPose2D here(T_map_base.x(), T_map_base.y(), T_map_base.yaw());
+  const Pose2 here = from_above(T);
   for (std::size_t i = 0; i < cells.size(); i++)
   {
     if (cells[i] != Passage::Obstacle) continue;
     const double x_m = w.min_x_m() + (static_cast<int>(i) % w.cells + 0.5) * w.resolution_m;
     const double y_m = w.min_y_m() + (static_cast<int>(i) / w.cells + 0.5) * w.resolution_m;
-    const auto p = here.inverseComposePoint(mrpt::math::TPoint2D(x_m, y_m));
-    if (p.norm() < within_m) out.blocked.push_back({p.x, p.y, edges[i]});
+    const Point2 p = here.to_robot({x_m, y_m});
+    if (std::hypot(p.x_m, p.y_m) < within_m) out.blocked.push_back({p.x_m, p.y_m, edges[i]});
   }
-  if (prism_heights_m.empty())
-    obstacles_2d(map, T_map_base, options, cells, out.obstacles);
-  else
-    obstacles_3d(map, T_map_base, options, cells, prism_heights_m, out.obstacles);
+  for (const auto& p : find_obstacles(map, T, options, cells, prism_heights_m))
+    out.obstacles.insertPointFast(p.x_m, p.y_m, p.z_m);
   return out;
 }
 

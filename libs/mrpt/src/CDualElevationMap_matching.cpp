@@ -17,7 +17,7 @@
 
 namespace talus
 {
-using detail::SurfaceView;
+using nav::SurfaceView;
 
 namespace
 {

@@ -13,10 +13,10 @@
 
 namespace talus
 {
-using detail::SurfaceView;
 using mrpt::img::TColor;
 using mrpt_scene::CSetOfTriangles;
 using mrpt_scene::TTriangle;
+using nav::SurfaceView;
 
 namespace
 {

@@ -1,11 +1,11 @@
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/obstacles.h>
+#include <talus/mrpt/pose_from.h>
+#include <talus/nav/costmap.h>
 #include <talus/number_text.h>
 
 #include <cmath>
 #include <stdexcept>
-
-#include "surface_view.h"
 
 namespace talus
 {
@@ -13,25 +13,7 @@ namespace
 {
 using mrpt::maps::COccupancyGridMap2D;
 
-// Probabilities of being free. What looks as if it drops from nearby, too, is not to be admitted.
-constexpr float kObstacle = 0.05F, kDropsFromNearby = 0.1F, kEdge = 0.15F, kMayDrop = 0.2F;
-constexpr float kMayDropBesideWall = 0.25F, kDropsFromNearbyBesideWall = 0.3F;
-constexpr float kQuantised = 0.02F;  // by MRPT, at most
 constexpr double kMaxShift_cells = 0.01;  // between the borders of costmap and map
-
-float free_probability(float traversability)
-{
-  return 0.55F + (traversability > 0 ? 0.4F * traversability : 0.0F);  // NaN below the robot
-}
-
-bool is_about(float p, float wanted) { return std::abs(p - wanted) < kQuantised; }
-
-bool may_drop(float p) { return is_about(p, kMayDrop) || is_about(p, kMayDropBesideWall); }
-
-bool drops_from_nearby(float p)
-{
-  return is_about(p, kDropsFromNearby) || is_about(p, kDropsFromNearbyBesideWall);
-}
 
 bool is_whole(double cells) { return std::abs(cells - std::round(cells)) <= kMaxShift_cells; }
 
@@ -89,40 +71,26 @@ void require_exact_borders(const Window& w)
 }  // namespace
 
 void update_costmap(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const nav::ObstacleOptions& o,
     COccupancyGridMap2D& grid)
 {
   const Place first = place_in(grid, map.window());
-  const auto judged = detail::judge_cells(map, T_map_base, o);
-  const auto& cells = judged.passages;
-  const auto& doubtful = judged.doubtful;
-  const auto edges = find_edges(map, T_map_base, cells);
-  const auto& traversability = map.layer(Layer::Traversability);
+  const auto now = nav::free_probabilities(map, pose_from(T_map_base), o);
   for_each_shared(
       map.window(), first, grid,
       [&](std::size_t i, int x, int y)
-      {
-        if (cells[i] == Passage::Unknown && !doubtful[i]) return;
-        if (cells[i] == Passage::Free)
-          grid.setCell(x, y, free_probability(traversability[i]));
-        else if (!doubtful[i])
-          grid.setCell(x, y, edges[i] ? kEdge : kObstacle);
-        else if (cells[i] == Passage::Obstacle)
-          grid.setCell(x, y, edges[i] ? kDropsFromNearby : kDropsFromNearbyBesideWall);
-        else if (!drops_from_nearby(grid.getCell(x, y)))
-          grid.setCell(x, y, edges[i] ? kMayDrop : kMayDropBesideWall);
-      });
+      { grid.setCell(x, y, nav::updated(grid.getCell(x, y), now[i])); });
 }
 
 void admit_doubtful(COccupancyGridMap2D& grid)
 {
   for (int y = 0; y < static_cast<int>(grid.getSizeY()); y++)
     for (int x = 0; x < static_cast<int>(grid.getSizeX()); x++)
-      if (may_drop(grid.getCell(x, y))) grid.setCell(x, y, free_probability(0));
+      grid.setCell(x, y, nav::admitted(grid.getCell(x, y)));
 }
 
 void costmap_from_map(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const nav::ObstacleOptions& o,
     COccupancyGridMap2D& out)
 {
   const Window w = map.window();
@@ -131,7 +99,7 @@ void costmap_from_map(
   out.setSize(
       static_cast<float>(w.min_x_m()), static_cast<float>(w.min_x_m() + side_m),
       static_cast<float>(w.min_y_m()), static_cast<float>(w.min_y_m() + side_m),
-      static_cast<float>(w.resolution_m), 0.5F);
+      static_cast<float>(w.resolution_m), nav::kHopeful);
   update_costmap(map, T_map_base, o, out);
 }
 

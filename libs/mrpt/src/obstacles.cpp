@@ -1,148 +1,48 @@
 #include <talus/mrpt/obstacles.h>
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <limits>
-#include <utility>
-
-#include "surface_view.h"
-
 namespace talus
 {
 namespace
 {
-using detail::SurfaceView;
 using mrpt::maps::CSimplePointsMap;
-
-/** Whether a cell, an obstacle, has a neighbour in the window that is none. */
-bool on_boundary(const std::vector<Passage>& cells, int n, int ix, int iy)
-{
-  for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}})
-  {
-    const int x = ix + dx, y = iy + dy;
-    if (x < 0 || y < 0 || x >= n || y >= n) continue;
-    if (cells[static_cast<std::size_t>(y * n + x)] != Passage::Obstacle) return true;
-  }
-  return false;
-}
-
-/** Row and column of a square of the spacing: whole numbers, which may be greater than an integer.
- */
-using Square = std::pair<double, double>;
-
-/** A cell that is given to the planner, robot frame seen from above. */
-struct Obstacle
-{
-  double x_m, y_m;
-  double height_m;  //!< above the ground of its cell
-  Square square;
-};
-
-/** The squares lie fixed in the map, so that points do not flicker while the robot moves. */
-Square square_of(double x_map, double y_map, double spacing_m)
-{
-  return {std::floor(y_map / spacing_m), std::floor(x_map / spacing_m)};
-}
-
-std::vector<Obstacle> find_obstacles(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
-    const std::vector<Passage>& cells)
-{
-  const SurfaceView view(map);
-  const int n = view.window.cells;
-  const double c = std::cos(T_map_base.yaw()), s = std::sin(T_map_base.yaw());
-  std::vector<Obstacle> found;
-  for (int iy = 0; iy < n; iy++)
-    for (int ix = 0; ix < n; ix++)
-    {
-      const std::size_t cell = view.index(ix, iy);
-      if (cells[cell] != Passage::Obstacle) continue;
-      const double dx = view.x_m(ix) - T_map_base.x(), dy = view.y_m(iy) - T_map_base.y();
-      if (dx * dx + dy * dy > o.range_m * o.range_m) continue;
-      if (o.boundary_only && !on_boundary(cells, n, ix, iy)) continue;
-      const double above = view.top(cell) - view.ground[cell];  // NaN where unknown
-      const auto square =
-          o.spacing_m > 0 ? square_of(view.x_m(ix), view.y_m(iy), o.spacing_m) : Square{};
-      found.push_back({c * dx + s * dy, -s * dx + c * dy, above > 0 ? above : 0.0, square});
-    }
-  return found;
-}
-
-/** The nearest one of each square. */
-void keep_nearest(std::vector<Obstacle>& obstacles)
-{
-  const auto range2 = [](const Obstacle& p) { return p.x_m * p.x_m + p.y_m * p.y_m; };
-  std::sort(
-      obstacles.begin(), obstacles.end(),
-      [&](const Obstacle& a, const Obstacle& b)
-      { return a.square != b.square ? a.square < b.square : range2(a) < range2(b); });
-  const auto last = std::unique(
-      obstacles.begin(), obstacles.end(),
-      [](const Obstacle& a, const Obstacle& b) { return a.square == b.square; });
-  obstacles.erase(last, obstacles.end());
-}
-
-/** Appends what is higher than `above_m` at the height z. */
-void add_points(
-    std::vector<Obstacle> obstacles, double above_m, double z_m, const ObstacleOptions& o,
-    CSimplePointsMap& out)
-{
-  const auto lower = std::remove_if(
-      obstacles.begin(), obstacles.end(), [&](const auto& p) { return p.height_m < above_m; });
-  obstacles.erase(lower, obstacles.end());
-  if (o.spacing_m > 0) keep_nearest(obstacles);
-  for (const auto& p : obstacles)
-    out.insertPointFast(
-        static_cast<float>(p.x_m), static_cast<float>(p.y_m), static_cast<float>(z_m));
-}
+using mrpt::poses::CPose3D;
 
 std::vector<Passage> judged_cells(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
+    const MapView& map, const CPose3D& T_map_base, const nav::ObstacleOptions& o)
 {
-  return map.empty() ? std::vector<Passage>() : classify_cells(map, T_map_base, o);
+  return map.empty() ? std::vector<Passage>() : nav::classify_cells(map, pose_from(T_map_base), o);
 }
 }  // namespace
 
 void obstacles_2d(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const CPose3D& T_map_base, const nav::ObstacleOptions& o,
     CSimplePointsMap& out)
 {
-  obstacles_2d(map, T_map_base, o, judged_cells(map, T_map_base, o), out);
+  obstacles_3d(map, T_map_base, o, judged_cells(map, T_map_base, o), {}, out);
 }
 
 void obstacles_2d(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const CPose3D& T_map_base, const nav::ObstacleOptions& o,
     const std::vector<Passage>& cells, CSimplePointsMap& out)
 {
-  out.clear();
-  if (!map.empty()) add_points(find_obstacles(map, T_map_base, o, cells), 0, o.z_m, o, out);
-  out.mark_as_modified();
+  obstacles_3d(map, T_map_base, o, cells, {}, out);
 }
 
 void obstacles_3d(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const CPose3D& T_map_base, const nav::ObstacleOptions& o,
     const std::vector<double>& prism_heights_m, CSimplePointsMap& out)
 {
   obstacles_3d(map, T_map_base, o, judged_cells(map, T_map_base, o), prism_heights_m, out);
 }
 
 void obstacles_3d(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const CPose3D& T_map_base, const nav::ObstacleOptions& o,
     const std::vector<Passage>& cells, const std::vector<double>& prism_heights_m,
     CSimplePointsMap& out)
 {
   out.clear();
-  if (!map.empty())
-  {
-    const auto obstacles = find_obstacles(map, T_map_base, o, cells);
-    double bottom = 0;
-    for (const double height : prism_heights_m)
-    {
-      add_points(obstacles, bottom, bottom + height / 2, o, out);
-      bottom += height;
-    }
-  }
+  for (const auto& p : nav::find_obstacles(map, pose_from(T_map_base), o, cells, prism_heights_m))
+    out.insertPointFast(p.x_m, p.y_m, p.z_m);
   out.mark_as_modified();
 }
 

@@ -1,51 +1,16 @@
 #pragma once
-#include <mrpt/math/TPoint2D.h>
 #include <mrpt/math/TPose2D.h>
-#include <talus/map_view.h>
-
-#include <vector>
+#include <talus/nav/heading_cost.h>
 
 namespace talus
 {
-/** A robot on its wheels, legs or tracks, in the frame of its base: x ahead, y left [m]. The
- * defaults are a Scout-mini, with the limits of the map's own thresholds. */
-struct Footprint
-{
-  /** The rectangle of its body, seen from above. */
-  double min_x_m = -0.31, max_x_m = 0.31, min_y_m = -0.29, max_y_m = 0.29;
-  /** Where it touches the ground: three places or more, not on one line. */
-  std::vector<mrpt::math::TPoint2D> wheels{
-      {0.23, 0.24}, {0.23, -0.24}, {-0.23, 0.24}, {-0.23, -0.24}};
-  double wheel_radius_m = 0.08;  //!< around such a place it rests on the ground
-  double ground_clearance_m = 0.1;  //!< of its underside above the plane of its wheels
-  /** From this tilt on it must not stand, along and across its heading [rad]. */
-  double max_along_rad = 0.6, max_across_rad = 0.4;
-  double max_step_m = 0.2;  //!< nor from this step under a wheel on
-};
+using nav::Footprint, nav::HeadingCost;
 
-/** What the ground does with a robot at one place and heading. All NaN where the map does not know
- * the ground under a wheel. */
-struct HeadingCost
+/** nav::heading_cost() at a pose of MRPT. */
+inline HeadingCost heading_cost(
+    const MapView& map, const Footprint& robot, const mrpt::math::TPose2D& T_map_base)
 {
-  double along_rad;  //!< tilt of the plane through the wheels, positive: the front is higher
-  double across_rad;  //!< positive: the left side is higher
-  double step_m;  //!< the highest under a wheel, above and below that tilt
-  /** The least height of the body's underside above what is below it; negative: it touches. Ground
-   * that is not known counts for nothing. */
-  double clearance_m;
-  /** [0, 1]: the greatest of tilt, step and lacking clearance, each by its limit; 1: impassable.
-   * Tilts along and across add up as the sides of a right angle, so a slope costs least straight.
-   */
-  double cost;
-};
-
-/** What a robot meets at a pose of the map frame, seen from above: its tilt, steps under its wheels
- * and the room under its body, of the higher of the two surfaces of each cell. So a robot may stand
- * along a slope that it could not cross, and over a stone between its wheels. What hangs higher
- * than the map's `clearance_m` is passable, as everywhere. Throws std::invalid_argument for a pose
- * that is not finite and a footprint without three wheels that span a plane or with a limit that is
- * not positive; as MapView::layer() does; and all NaN for an empty map. */
-HeadingCost heading_cost(
-    const MapView& map, const Footprint& robot, const mrpt::math::TPose2D& T_map_base);
+  return nav::heading_cost(map, robot, {T_map_base.x, T_map_base.y, T_map_base.phi});
+}
 
 }  // namespace talus

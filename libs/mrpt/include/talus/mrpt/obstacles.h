@@ -2,33 +2,19 @@
 #include <mrpt/config/CLoadableOptions.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CSimplePointsMap.h>
-#include <mrpt/poses/CPose3D.h>
-#include <talus/map_view.h>
+#include <talus/mrpt/pose_from.h>
+#include <talus/nav/obstacles.h>
 
 #include <string>
 #include <vector>
 
 namespace talus
 {
-/** What a cell near the robot is of which nothing is known. */
-enum class Unseen
-{
-  Obstacle,
-  Free  //!< what is not known is left to the planner everywhere
-};
+using nav::Drops, nav::Passage, nav::Unseen;
+using nav::find_doubtful, nav::stopping_speed_mps;
 
-/** What a cell in doubt is, see find_doubtful(): its ground may drop. */
-enum class Drops
-{
-  Avoid,  //!< an obstacle, from afar unknown
-  /** Free where a slope explains how far the measured ground on both sides of it falls: of half the
-   * steepest that the robot climbs, and by no more than 2.5 of the highest step. */
-  Slope,
-  Ignore  //!< free
-};
-
-/** How the map becomes obstacles. Obstacles are not inflated: planners know the robot's shape. */
-struct ObstacleOptions : public mrpt::config::CLoadableOptions
+/** nav::ObstacleOptions of an INI file. */
+struct ObstacleOptions : public nav::ObstacleOptions, public mrpt::config::CLoadableOptions
 {
   /** Reads those keys that are there. Throws std::runtime_error naming key, value and section. */
   void loadFromConfigFile(
@@ -36,113 +22,67 @@ struct ObstacleOptions : public mrpt::config::CLoadableOptions
   /** Writes each with its meaning as comment. */
   void saveToConfigFile(
       mrpt::config::CConfigFileBase& target, const std::string& section) const override;
-
-  double blocked_at = 0.0;  //!< cells whose traversability is this or less are obstacles, [0,1]
-  /** So are cells whose risk() is more than this, [0,1]; 1: none. Below 1 a snapshot needs the
-   * layers that risk() reads. */
-  double risk_at = 1.0;
-  /** This near to the base, what is driven on must have been seen: a cell whose ground is unknown
-   * or was not judged is what `unseen` says. With Unseen::Obstacle and Drops::Avoid a guess from
-   * one side (CellState::FilledOneSided), and any guess up to 0.2 m beside what may drop, is an
-   * obstacle, too: an edge may lie in it. Farther away it is left to the planner as unknown, and so
-   * is what is in doubt, see find_doubtful(): from nearby it may look better. */
-  double seen_within_m = 1.0;
-  Unseen unseen = Unseen::Obstacle;  //!< what it is there without that
-  Drops drops = Drops::Avoid;  //!< how bold the robot is where ground may drop
-  double body_radius_m = 0.25;  //!< around the base nothing is an obstacle: it is in the robot
-  double range_m = 5.0;  //!< obstacles farther from the base are left out, > 0
-  double spacing_m = 0.1;  //!< one point a square of this side, that nearest to the base; 0: all
-  bool boundary_only = true;  //!< only cells with a neighbour that is no obstacle
-  double z_m = 0.1;  //!< height of the points of obstacles_2d(), robot frame
 };
 
-/** What a cell is for a planner. */
-enum class Passage : std::uint8_t
+/** nav::classify_cells() for a pose of MRPT. */
+inline std::vector<Passage> classify_cells(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o)
 {
-  Free,
-  Unknown,  //!< not seen or in doubt, and not near
-  Obstacle
-};
+  return nav::classify_cells(map, pose_from(T_map_base), o);
+}
 
-/** What each cell of the window is, in the order of its layers. Throws std::invalid_argument for a
- * pose that is not finite and for an option that is NaN, no Unseen or no Drops; so do all functions
- * below that take them, of a map that is not empty. */
-std::vector<Passage> classify_cells(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o);
+/** nav::find_edges() for a pose of MRPT. */
+inline std::vector<bool> find_edges(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const std::vector<Passage>& cells)
+{
+  return nav::find_edges(map, pose_from(T_map_base), cells);
+}
 
-/** Of the cells of the window, in the order of its layers: those that are blocked only by
- * comparison with filled ground, with nothing on it: perhaps a drop, perhaps the far side of a
- * crest. Seen from nearby they may look better. Those that `drops` makes free are not among them,
- * nor those in a gap of one cell between measured ground, which are free. */
-std::vector<bool> find_doubtful(const MapView& map, const ObstacleOptions& o);
+/** nav::known_ahead_m() for a pose of MRPT. */
+inline double known_ahead_m(
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps,
+    double width_m, const ObstacleOptions& o)
+{
+  return nav::known_ahead_m(map, pose_from(T_map_base), v_mps, w_radps, width_m, o);
+}
 
-/** Of the obstacles, and of what is in doubt: the cells at which the ground may end, as it lies
- * more than a step below the base there, or as nothing stands within 0.2 m that would block. No
- * part of a robot should come near to them, while it may pass closely by a wall. */
-std::vector<bool> find_edges(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const std::vector<Passage>& cells);
-
-/** Replaces `out` by the obstacles of the map for CReactiveNavigationSystem: in the frame of the
- * robot seen from above (x forward, y left, only the yaw of the base counts), all at the height
- * z_m. */
+/** Replaces `out` by the obstacles of the map for CReactiveNavigationSystem: nav::find_obstacles()
+ * of a robot in the plane. */
 void obstacles_2d(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const nav::ObstacleOptions& o,
     mrpt::maps::CSimplePointsMap& out);
 /** The same of cells that classify_cells() judged already. */
 void obstacles_2d(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const nav::ObstacleOptions& o,
     const std::vector<Passage>& cells, mrpt::maps::CSimplePointsMap& out);
 
 /** The same for CReactiveNavigationSystem3D, whose robot is a pile of prisms of these heights [m],
- * the lowest first: a point in the middle of each prism that the obstacle reaches from the ground
- * under it. So a slope below the obstacle does not count, and what is higher than the robot is cut.
- * What blocks without standing on the ground (a steep slope, a ditch) is as high as the lowest
- * prism. */
+ * the lowest first. */
 void obstacles_3d(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const nav::ObstacleOptions& o,
     const std::vector<double>& prism_heights_m, mrpt::maps::CSimplePointsMap& out);
 /** The same of cells that classify_cells() judged already. */
 void obstacles_3d(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const nav::ObstacleOptions& o,
     const std::vector<Passage>& cells, const std::vector<double>& prism_heights_m,
     mrpt::maps::CSimplePointsMap& out);
 
-/** Makes `out` a costmap of the window in the map frame, for mrpt::nav::PlannerSimple2D: the
- * probability of being free is 0.55 + 0.4 * traversability, 0.05 of obstacles, 0.15 of
- * those among them that are edges, 0.2 of what is in doubt and may drop, 0.1 where it stayed so
- * from within `seen_within_m`, 0.25 and 0.3 of the same beside what stands, 0.5 where unknown
- * (which that planner takes for an obstacle). `range_m` does not count. Throws
+/** Makes `out` a costmap of the window in the map frame, for mrpt::nav::PlannerSimple2D: with
+ * the probabilities of nav::free_probabilities(), 0.5 where nothing is known (which that planner
+ * takes for an obstacle). Throws
  * std::invalid_argument where the window lies so far from the origin (8 km for cells of 0.05 m)
  * that the borders of a costmap, which are floats, cannot be those of its cells.
  */
 void costmap_from_map(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const nav::ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& out);
 
-/** Writes the window into a larger costmap of the same resolution: what is known in the window
- * replaces what was there, the rest stays, and what lies outside of the costmap is left out. Throws
- * std::invalid_argument when the cells do not match. */
+/** nav::update_costmap(). Throws std::invalid_argument when the cells do not match. */
 void update_costmap(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const ObstacleOptions& o,
+    const MapView& map, const mrpt::poses::CPose3D& T_map_base, const nav::ObstacleOptions& o,
     mrpt::maps::COccupancyGridMap2D& grid);
 
-/** Makes what is in doubt passable in a costmap, with 0.55, also where the window has left: for a
- * robot that finds no way without, to go and look. The costmap remembers what stayed in doubt from
- * within `seen_within_m`, so that it does not go twice. */
+/** nav::admit_doubtful(). */
 void admit_doubtful(mrpt::maps::COccupancyGridMap2D& grid);
-
-/** How far [m] the ground is known along the arc on which a command leads the base: up to the first
- * cell that is unknown, not judged or doubtful in a corridor of this width, the end of the window
- * or range_m. What lies within body_radius_m does not count, nor what is known to be an obstacle:
- * that is given to the planner. range_m for a robot that turns on the spot or stands, and of an
- * empty map 0. What `drops` makes free counts as known: with Drops::Avoid it tells how far the
- * ground was seen, beyond which a robot should creep. */
-double known_ahead_m(
-    const MapView& map, const mrpt::poses::CPose3D& T_map_base, double v_mps, double w_radps,
-    double width_m, const ObstacleOptions& o);
-
-/** The speed [m/s] from which a robot that reacts after `reaction_s` and brakes with
- * `deceleration_mps2` (> 0) stops within a distance; 0 where that is not positive. */
-double stopping_speed_mps(double distance_m, double reaction_s, double deceleration_mps2);
 
 }  // namespace talus

@@ -1,0 +1,40 @@
+#pragma once
+#include <talus/map_view.h>
+#include <talus/nav/heading_cost.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace talus::nav
+{
+/** Where a height comes from. */
+enum class HeightOrigin : std::uint8_t
+{
+  Unknown,  //!< of the nearest cell that is known, up to 1 m away
+  Measured,
+  Filled,  //!< inferred from ground around it
+  Presumed  //!< the robot stood there, or started near
+};
+
+/** The height of what a foot would meet, map frame. */
+struct ScannedHeight
+{
+  float z_m;  //!< NaN: nothing is known within 1 m
+  float sigma_m;  //!< its standard deviation; NaN where the height is
+  HeightOrigin origin;  //!< of the height
+};
+
+/** Heights below points of the robot's frame seen from above (x ahead, y left; only position and
+ * yaw of the base count), in their order: of the higher of the two surfaces of the map. A height
+ * lies on the plane through the known cells around it on the same side of a step, so that treads of
+ * stairs are flat, and a riser stands within the cell that it runs through. Where the cell is
+ * measured, its neighbours have to be, too. The deviation is that of the
+ * neighbours from the plane, where they are few or inferred also that of the cell, and from an
+ * unknown cell it grows by 0.3 m a metre to the nearest known one. Poses that drift are no part of
+ * it. Same
+ * bits for the same map. Throws std::invalid_argument for a pose that is not finite, and as
+ * MapView::layer(). */
+std::vector<ScannedHeight> height_scan(
+    const MapView& map, const Pose& T_map_base, const std::vector<Point2>& points);
+
+}  // namespace talus::nav

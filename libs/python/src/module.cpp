@@ -1,0 +1,96 @@
+#include "arrays.h"
+
+namespace talus::python
+{
+std::string shape_text(const py::array& a)
+{
+  std::string text = py::str(a.dtype());
+  text += " (";
+  for (py::ssize_t i = 0; i < a.ndim(); i++) text += (i ? ", " : "") + std::to_string(a.shape(i));
+  return text + (a.ndim() == 1 ? ",)" : ")");
+}
+
+Table::Table(const py::object& value, const char* name, py::ssize_t columns)
+{
+  const auto wrong = [&](const std::string& is)
+  {
+    return py::value_error(
+        std::string(name) + ": must be an array of float32 or float64 of shape (N, " +
+        std::to_string(columns) + ") or with more columns, is " + is);
+  };
+  if (!py::isinstance<py::array>(value))
+    throw wrong("a " + std::string(py::str(py::type::of(value).attr("__name__"))));
+  array_ = py::reinterpret_borrow<py::array>(value);
+  is_float_ = array_.dtype().equal(py::dtype::of<float>());
+  const bool known = is_float_ || array_.dtype().equal(py::dtype::of<double>());
+  if (!known || array_.ndim() != 2 || array_.shape(1) < columns) throw wrong(shape_text(array_));
+  if (!array_.attr("flags").attr("aligned").cast<bool>()) throw wrong("not aligned");
+  first_ = static_cast<const char*>(array_.data());
+  row_bytes_ = array_.strides(0);
+  column_bytes_ = array_.strides(1);
+}
+
+Pose pose_from(const py::object& value, const char* name)
+{
+  const auto array = py::array_t<double, py::array::forcecast>::ensure(value);
+  if (!array || array.ndim() != 2 || array.shape(1) != 4 ||
+      (array.shape(0) != 4 && array.shape(0) != 3))
+  {
+    PyErr_Clear();
+    throw py::value_error(
+        std::string(name) + ": must be a rigid transform of shape (4, 4) or (3, 4), is " +
+        (array ? shape_text(array) : std::string(py::str(py::type::of(value)))));
+  }
+  Pose out;
+  for (py::ssize_t i = 0; i < 12; i++)
+  {
+    const double v = array.at(i / 4, i % 4);
+    if (!std::isfinite(v)) throw py::value_error(std::string(name) + ": holds NaN or infinity");
+    out.m[static_cast<std::size_t>(i)] = v;
+  }
+  return out;
+}
+
+std::optional<Pose> optional_pose(const py::object& value, const char* name)
+{
+  if (value.is_none()) return std::nullopt;
+  return pose_from(value, name);
+}
+
+std::vector<float> values_from(const py::object& value, const std::string& name, std::size_t size)
+{
+  if (value.is_none()) return {};
+  const auto array = py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(value);
+  if (!array || array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != size)
+  {
+    PyErr_Clear();
+    throw py::value_error(
+        name + ": must be numbers of shape (" + std::to_string(size) + ",), one a point, is " +
+        (array ? shape_text(array) : std::string(py::str(py::type::of(value)))));
+  }
+  return {array.data(), array.data() + size};
+}
+
+void PointsOfFrame::fill(const Table& points, const PointArrays& to)
+{
+  frame.x_m = to.x_m;
+  frame.y_m = to.y_m;
+  frame.z_m = to.z_m;
+  for (py::ssize_t i = 0; i < points.rows(); i++)
+  {
+    to.x_m[i] = static_cast<float>(points.at(i, 0));
+    to.y_m[i] = static_cast<float>(points.at(i, 1));
+    to.z_m[i] = static_cast<float>(points.at(i, 2));
+  }
+}
+}  // namespace talus::python
+
+PYBIND11_MODULE(_talus, m)
+{
+  m.attr("__version__") = TALUS_VERSION;
+  talus::python::bind_map(m);
+  talus::python::bind_nav(m);
+#ifdef TALUS_READS_FILES
+  talus::python::bind_sources(m);
+#endif
+}
