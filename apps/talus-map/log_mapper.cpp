@@ -1,10 +1,9 @@
 #include "log_mapper.h"
 
-#include "../common/import/rawlog_writer.h"
-
 #include "../common/memory_limit.h"
 #include "../common/crash_context.h"
 
+#include <mrpt/obs/CObservationVelodyneScan.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/CObservationTraversability.h>
 #include <talus/risk.h>
@@ -174,23 +173,33 @@ bool LogMapper::take(const mrpt::obs::CObservation& obs)
   return insert(obs.sensorLabel);
 }
 
-/** An import may tell that the intensities of its points are other values. */
+/** The intensities of an import may be other values. */
 void LogMapper::note_values(const std::string& description)
 {
-  const auto values = import::values_told_by(description);
-  if (!values) return;
+  notes_ = import::notes_from(description);
   const auto& channels = map_.parameters().channels;
   for (std::size_t c = 0; c < channels.size(); ++c)
-    scan_.channel_names[c] = channels[c].name == *values       ? "intensity"
-                             : channels[c].name == "intensity" ? ""
-                                                               : channels[c].name;
+    if (!notes_.values.empty())
+      scan_.channel_names[c] = channels[c].name == notes_.values ? "intensity"
+                               : channels[c].name == "intensity" ? ""
+                                                                 : channels[c].name;
+}
+
+/** What the bytes of a scan mean. */
+void LogMapper::scale_intensity(const mrpt::obs::CObservation& obs)
+{
+  if (!dynamic_cast<const mrpt::obs::CObservationVelodyneScan*>(&obs)) return;
+  for (std::size_t c = 0; c < scan_.channel_names.size(); ++c)
+    if (scan_.channel_names[c] == "intensity")
+      for (float& value : scan_.channels[c])
+        value = static_cast<float>(notes_.least + notes_.step * static_cast<double>(value));
 }
 
 bool LogMapper::decode(const mrpt::obs::CObservation& obs)
 {
   try
   {
-    if (points_from_observation(obs, scan_)) return true;
+    if (points_from_observation(obs, scan_)) return scale_intensity(obs), true;
     const double stamp_s = mrpt::Clock::toDouble(obs.timestamp);
     if (!site_ || !site_->take_fix(obs, poses_.base_at(stamp_s))) ++run_.unsupported[class_of(obs)];
     return false;

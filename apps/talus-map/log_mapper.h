@@ -1,4 +1,5 @@
 #pragma once
+#include "../common/import/rawlog_writer.h"
 #include "job.h"
 #include "kept_site.h"
 #include "label_files.h"
@@ -78,6 +79,7 @@ class LogMapper
 
   bool take(const mrpt::obs::CObservation& obs);
   void note_values(const std::string& description);
+  void scale_intensity(const mrpt::obs::CObservation& obs);
   bool decode(const mrpt::obs::CObservation& obs);
   bool insert(const std::string& label);
   bool skip(const std::string& reason, const std::string& why);
@@ -101,6 +103,7 @@ class LogMapper
   LabelFiles* labels_;
   io::RunSummary run_;
   SensorPoints scan_;
+  import::PointNotes notes_;
   std::vector<bool> has_channel_;  //!< by channel: some scan has values of it
   SensorNumbers sensors_;
   FrameGatherer gatherer_;

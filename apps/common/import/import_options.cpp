@@ -134,9 +134,12 @@ void add_options_of_bags(CLI::App& app, SourceOptions& o)
       ->type_name("NAME");
   app.add_option("--map-frame", o.map_frame, "Of a bag: the map in TF (else map, or odom)")
       ->type_name("NAME");
-  app.add_flag(
+  auto* recorded = app.add_flag(
       "--recorded-times", o.recorded_times,
-      "Of a bag: scans have the time at which they were recorded, not that of the sensor's clock");
+      "Of a bag: scans have the time at which they were recorded, not that of the sensor's clock "
+      "(which is so by itself where that clock is not that of the poses)");
+  app.add_flag("--stamped-times", o.stamped_times, "Of a bag: scans always have their stamps")
+      ->excludes(recorded);
 }
 }  // namespace
 

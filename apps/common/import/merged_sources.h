@@ -28,6 +28,8 @@ class MergedSources
 
   std::vector<std::string> remarks() const;
   std::vector<std::string> warnings() const;
+  /** See ScanSource. */
+  bool wants(SourceOptions& options) const;
 
  private:
   struct Source

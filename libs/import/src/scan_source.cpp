@@ -29,7 +29,7 @@ const Format* format_of_file(const std::string& path)
   for (const Format& format : kFormats)
     for (const std::string_view mark : format.marks)
       if (begin.substr(0, mark.size()) == mark) return &format;
-  return format_by_ending(path);
+  return format_by_ending(is_file_of_bag(path) ? io::without_packing(path) : path);
 }
 
 /** Whether one of the files of a folder that are not hidden is of that kind. */

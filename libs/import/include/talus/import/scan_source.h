@@ -34,6 +34,8 @@ struct ImportedScan
   std::size_t not_finite = 0;  //!< points that were left out
 };
 
+struct SourceOptions;
+
 /** Scans in the order of time [of one sensor], one at a time: a source holds one in memory. */
 class ScanSource
 {
@@ -56,6 +58,14 @@ class ScanSource
   virtual std::vector<std::string> remarks() const { return {}; }
   /** What would make the map wrong; otherwise as remarks(). */
   virtual std::vector<std::string> warnings() const { return {}; }
+
+  /** Whether the map would be wrong, but would not if all were read again with other options: sets
+   * these. Complete once next() gave false. */
+  virtual bool wants(SourceOptions& options) const
+  {
+    (void)options;
+    return false;
+  }
 };
 
 /** What only some kinds of source ask for; each names its option in its errors. */
@@ -70,6 +80,8 @@ struct SourceOptions
   std::string map_frame;  //!< --map-frame NAME, of TF; "": map, else odom
   bool recorded_times = false;  //!< --recorded-times, of bags: scans have the time of recording,
                                 //!< not the stamp of their sensor
+  bool stamped_times = false;  //!< --stamped-times: they have the stamps, whatever these are
+  std::vector<std::string> recorded_topics;  //!< whose scans alone have the time of recording
   bool partial = false;  //!< --partial: of bags that are cut what is before the cut, of folders
                          //!< with fewer poses than scans as many of the first scans
   bool poses_of_sensor = false;  //!< --poses-of sensor: of the first one, not of the base
