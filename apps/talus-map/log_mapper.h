@@ -78,7 +78,7 @@ class LogMapper
   };
 
   bool take(const mrpt::obs::CObservation& obs);
-  void note_values(const std::string& description);
+  void note_points(const std::string& description);
   void scale_intensity(const mrpt::obs::CObservation& obs);
   bool decode(const mrpt::obs::CObservation& obs);
   bool insert(const std::string& label);
@@ -94,7 +94,9 @@ class LogMapper
   void add_warnings();
   void add_hints();
 
+  const Job& job_;
   const Options& options_;
+  const Settings& settings_;
   std::string log_;  //!< as messages call it
   const SourceLog& source_;
   PoseSource poses_;

@@ -87,14 +87,15 @@ ImportedLog write_scans(
     const SourceOptions& o, const std::string& path, MergedSources& sources, PointNotes& notes,
     bool& is_again, const ImportProgress& progress)
 {
+  notes.has_rays = sources.has_rays();
   RawlogWriter writer(path, notes);
   ImportedLog log;
   ImportedScan scan;
   bool loses_times = false;
   while (sources.next(scan))
   {
-    if (const auto m = o.mountings.find(scan.sensor_label); m != o.mountings.end())
-      scan.T_base_sensor = m->second;
+    const auto m = o.mountings.find(scan.sensor_label);
+    if (notes.has_rays && m != o.mountings.end()) scan.T_base_sensor = m->second;
     if (!log.scans.count(scan.sensor_label)) warn_of_units(scan, log);
     writer.write(scan);
     loses_times |= !scan.rgb.empty() && !scan.point_time_s.empty();

@@ -34,13 +34,19 @@ std::string read_mounting(const std::string& text, SourceOptions& options)
   return "";
 }
 
-/** An option with two words; `value` is whether it is the second. */
+/** An option with two words; `value` is whether it is the second, `first` whether the first was
+ * said. */
 void add_choice(
     CLI::App& app, const char* name, const std::array<std::string, 2>& words, bool& value,
-    const std::string& help)
+    const std::string& help, bool* first = nullptr)
 {
   app.add_option_function<std::string>(
-         name, [&value, second = words[1]](const std::string& word) { value = word == second; },
+         name,
+         [&value, first, words](const std::string& word)
+         {
+           value = word == words[1];
+           if (first) *first = word == words[0];
+         },
          help)
       ->check(CLI::IsMember({words[0], words[1]}).description(""))
       ->type_name(words[0] + "|" + words[1]);
@@ -93,7 +99,10 @@ void add_options_of_all(CLI::App& app, SourceOptions& o)
       "Whose poses they are: SLAM programs often write those of the (first) sensor");
   add_choice(
       app, "--clouds-in", {"sensor", "map"}, o.clouds_in_map,
-      "The frame of the points; those in the map are brought back by the poses");
+      "The frame of the points; those in the map are brought back by the poses. A file alone: a "
+      "scan, "
+      "or the map of a whole drive",
+      &o.is_one_scan);
   app.add_flag(
       "--partial", o.partial,
       "Read what is whole: of a bag that is cut or damaged, of a folder with fewer poses than "

@@ -21,6 +21,7 @@ namespace
 {
 constexpr const char* kIntensitiesAre = "talus: the intensities of the points are ";
 constexpr const char* kStepsAre = "talus: the intensities of the points count in steps of ";
+constexpr const char* kNoRays = "talus: the points are those of a map, without rays";
 constexpr const char* kFrom = " from ";
 constexpr double kMaxByte = 255;
 
@@ -116,6 +117,7 @@ struct RawlogWriter::Impl
     if (notes.step != 1 || notes.least != 0)
       comment.text +=
           kStepsAre + exact_number_text(notes.step) + kFrom + exact_number_text(notes.least) + "\n";
+    if (!notes.has_rays) comment.text += std::string(kNoRays) + "\n";
     if (!comment.text.empty()) log.write(comment);
   }
   void note_range(const ImportedScan& scan)
@@ -166,6 +168,7 @@ PointNotes notes_from(const std::string& comment)
   for (std::string line; std::getline(lines, line);)
   {
     if (auto name = rest(line, kIntensitiesAre); !name.empty()) notes.values = std::move(name);
+    if (line == kNoRays) notes.has_rays = false;
     const std::string steps = rest(line, kStepsAre);
     const auto from = steps.find(kFrom);
     if (from == std::string::npos) continue;

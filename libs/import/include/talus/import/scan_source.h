@@ -59,6 +59,9 @@ class ScanSource
   /** What would make the map wrong; otherwise as remarks(). */
   virtual std::vector<std::string> warnings() const { return {}; }
 
+  /** False: the points of a map, cut into pieces; neither rays nor poses tell anything. */
+  virtual bool has_rays() const { return true; }
+
   /** Whether the map would be wrong, but would not if all were read again with other options: sets
    * these. Complete once next() gave false. */
   virtual bool wants(SourceOptions& options) const
@@ -86,6 +89,7 @@ struct SourceOptions
                          //!< with fewer poses than scans as many of the first scans
   bool poses_of_sensor = false;  //!< --poses-of sensor: of the first one, not of the base
   bool clouds_in_map = false;  //!< --clouds-in map: points lie in the frame of the poses
+  bool is_one_scan = false;  //!< --clouds-in sensor was said: a file is no map of a whole drive
   bool is_only_source = true;  //!< false: there are others, which have to agree on one map
   std::vector<std::string> fields;  //!< --fields: of a point in .bin files; empty: KITTI's four
   std::string values;  //!< --values, of each point: "": its intensity; "rgb"; else a field by its
