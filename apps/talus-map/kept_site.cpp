@@ -130,10 +130,11 @@ bool KeptSite::take_fix(
   return true;
 }
 
-void KeptSite::finish(const ElevationMapper& map, io::RunSummary& run)
+void KeptSite::finish(const ElevationMapper& map, io::RunSummary& run, bool is_driven)
 {
   mapper_->keep_window(map);
   mapper_->look_back(map);
+  if (!is_driven) site_.ways.pop_back();
   warn_of_islands();
   std::string warning;
   if (!site_.origin) site_.origin = site::origin_from_fixes(fixes_, warning);

@@ -31,8 +31,8 @@ class KeptSite
       const mrpt::obs::CObservation& obs, const std::optional<mrpt::poses::CPose3D>& T_map_base);
 
   /** After the last frame: what the window holds is kept, and where on Earth it is. Warnings go
-   * where the run keeps them. */
-  void finish(const ElevationMapper& map, io::RunSummary& run);
+   * where the run keeps them. `is_driven`: whether a robot drove along the poses. */
+  void finish(const ElevationMapper& map, io::RunSummary& run, bool is_driven);
   /** Where on Earth; with fixes of a satellite receiver from finish() on. */
   const std::optional<site::GeoOrigin>& origin() const { return site_.origin; }
   /** Writes site.tif, site_island_1.tif, site_floor_1.tif ..., and a picture of each, into a

@@ -1,10 +1,9 @@
 #include "log_mapper.h"
 
-#include "../common/import/rawlog_writer.h"
-
 #include "../common/memory_limit.h"
 #include "../common/crash_context.h"
 
+#include <mrpt/obs/CObservationVelodyneScan.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/CObservationTraversability.h>
 #include <talus/risk.h>
@@ -95,7 +94,9 @@ std::string class_of(const mrpt::obs::CObservation& obs)
 LogMapper::LogMapper(
     const Job& job, const SourceLog& log, const Options& options, const Settings& settings,
     KeptSite* site, LabelFiles* labels)
-    : options_(options),
+    : job_(job),
+      options_(options),
+      settings_(settings),
       log_(job.log),
       source_(log),
       map_(make_map(job, settings)),
@@ -132,7 +133,7 @@ void LogMapper::run(const OnFrame& on_frame)
   const auto reader = guarded(
       log_, kLookAtLog, [&] { return std::make_unique<io::RawlogReader>(source_.path); },
       memory_bytes);
-  note_values(reader->description());
+  note_points(reader->description());
   poses_ = PoseSource::of_log(source_, log_, options_);
   run_.pose_source = poses_.description();
   std::size_t shown = 0;
@@ -149,10 +150,10 @@ void LogMapper::run(const OnFrame& on_frame)
   show();
   if (run_.frames.empty()) explain_no_frames();
   if (options_.suggest) return;
-  add_hints();
+  if (notes_.has_rays) add_hints();
   require_points();
   require_channels_of_log();
-  if (site_) site_->finish(map_, run_);
+  if (site_) site_->finish(map_, run_, notes_.has_rays);
   if (labels_) labels_->finish();
   add_warnings();
 }
@@ -174,23 +175,42 @@ bool LogMapper::take(const mrpt::obs::CObservation& obs)
   return insert(obs.sensorLabel);
 }
 
-/** An import may say that the intensities of its points are other values. */
-void LogMapper::note_values(const std::string& description)
+/** The intensities of an import may be other values. Where rays tell nothing, they tell of no drops
+ * either. */
+void LogMapper::note_points(const std::string& description)
 {
-  const auto values = import::values_named_by(description);
-  if (!values) return;
+  notes_ = import::notes_from(description);
+  if (!notes_.has_rays)
+  {
+    Settings without_drops = settings_;
+    without_drops.parameters.sparsity_range_m = 0;
+    map_ = make_map(job_, without_drops);
+    map_.set_output_layers(layers_of_every_frame(options_));
+    run_.parameters = without_drops.parameters;
+  }
   const auto& channels = map_.parameters().channels;
   for (std::size_t c = 0; c < channels.size(); ++c)
-    scan_.channel_names[c] = channels[c].name == *values       ? "intensity"
-                             : channels[c].name == "intensity" ? ""
-                                                               : channels[c].name;
+    if (!notes_.values.empty())
+      scan_.channel_names[c] = channels[c].name == notes_.values ? "intensity"
+                               : channels[c].name == "intensity" ? ""
+                                                                 : channels[c].name;
+}
+
+/** What the bytes of a scan mean. */
+void LogMapper::scale_intensity(const mrpt::obs::CObservation& obs)
+{
+  if (!dynamic_cast<const mrpt::obs::CObservationVelodyneScan*>(&obs)) return;
+  for (std::size_t c = 0; c < scan_.channel_names.size(); ++c)
+    if (scan_.channel_names[c] == "intensity")
+      for (float& value : scan_.channels[c])
+        value = static_cast<float>(notes_.least + notes_.step * static_cast<double>(value));
 }
 
 bool LogMapper::decode(const mrpt::obs::CObservation& obs)
 {
   try
   {
-    if (points_from_observation(obs, scan_)) return true;
+    if (points_from_observation(obs, scan_)) return scale_intensity(obs), true;
     const double stamp_s = mrpt::Clock::toDouble(obs.timestamp);
     if (!site_ || !site_->take_fix(obs, poses_.base_at(stamp_s))) ++run_.unsupported[class_of(obs)];
     return false;
@@ -260,7 +280,7 @@ void LogMapper::map_scan(const Frame& scan)
   const std::string& label = sensors_.labels()[scan.sensor];
   if (!scan.path.empty()) ++run_.frames_deskewed;
   ++run_.sensors[label];
-  hints_.add(scan, label, run_.frames.back());
+  if (notes_.has_rays || options_.suggest) hints_.add(scan, label, run_.frames.back());
 }
 
 FrameReport LogMapper::map_frame(const Frame& frame)

@@ -1,4 +1,5 @@
 #pragma once
+#include "../common/import/rawlog_writer.h"
 #include "job.h"
 #include "kept_site.h"
 #include "label_files.h"
@@ -77,7 +78,8 @@ class LogMapper
   };
 
   bool take(const mrpt::obs::CObservation& obs);
-  void note_values(const std::string& description);
+  void note_points(const std::string& description);
+  void scale_intensity(const mrpt::obs::CObservation& obs);
   bool decode(const mrpt::obs::CObservation& obs);
   bool insert(const std::string& label);
   bool skip(const std::string& reason, const std::string& why);
@@ -92,7 +94,9 @@ class LogMapper
   void add_warnings();
   void add_hints();
 
+  const Job& job_;
   const Options& options_;
+  const Settings& settings_;
   std::string log_;  //!< as messages call it
   const SourceLog& source_;
   PoseSource poses_;
@@ -101,6 +105,7 @@ class LogMapper
   LabelFiles* labels_;
   io::RunSummary run_;
   SensorPoints scan_;
+  import::PointNotes notes_;
   std::vector<bool> has_channel_;  //!< by channel: some scan has values of it
   SensorNumbers sensors_;
   FrameGatherer gatherer_;

@@ -255,6 +255,105 @@ TEST_F(TalusImport, keeps_stamps_labels_mountings_and_the_times_of_points)
   EXPECT_EQ(obs->point_cloud.laser_id.size(), p.size());
 }
 
+/** Photon counts, counts of which the first scan has none, and shares of one. */
+TEST_F(TalusImport, keeps_intensities_in_one_scale)
+{
+  struct Row
+  {
+    std::vector<float> of_scans;
+    double step;
+  };
+  for (const Row& row :
+       {Row{{300, 2400}, 2400.0 / 255}, {{1, 100}, 1}, {{0.5F, 1}, 1.0 / 255}, {{-20, 30}, 1}})
+  {
+    std::string times;
+    for (std::size_t i = 0; i < row.of_scans.size(); ++i)
+    {
+      Points p = floor(true);
+      p.intensity.assign(p.size(), row.of_scans[i]);
+      write("lidar/" + std::to_string(i) + ".pcd", pcd_binary(p));
+      times += std::to_string(i) + "\n";
+    }
+    write("lidar/times.txt", times);
+    const CommandEnd o = import("lidar --output log.rawlog");
+    ASSERT_EQ(o.code, 0) << o.text;
+    EXPECT_EQ(o.text.find("256 steps") != std::string::npos, row.step != 1) << o.text;
+    done("talus-map log.rawlog --static --channels intensity:max --output map --quiet");
+    const auto map = io::read_geotiff(dir_ / "map/map.tif");
+    const auto& values = *map.find("intensity");
+    EXPECT_NEAR(
+        *std::max_element(
+            values.begin(), values.end(), [](float a, float b) { return std::isnan(a) || a < b; }),
+        row.of_scans[1], 1e-3);
+    io::RawlogReader reader(dir_ / "log.rawlog");
+    for (const float value : row.of_scans)
+    {
+      const auto obs =
+          std::dynamic_pointer_cast<mrpt::obs::CObservationVelodyneScan>(reader.next());
+      ASSERT_TRUE(obs);
+      const double least = std::min(0.0F, row.of_scans[0]);
+      EXPECT_NEAR(least + row.step * obs->point_cloud.intensity[0], value, row.step / 2);
+    }
+  }
+}
+
+/** A hall with a box and a ceiling, as a SLAM program wrote it. */
+TEST_F(TalusImport, of_a_whole_map_claims_no_ground_inside_of_things)
+{
+  Points p;
+  const auto add = [&p](double x, double y, double z)
+  {
+    p.x.push_back(static_cast<float>(x));
+    p.y.push_back(static_cast<float>(y));
+    p.z.push_back(static_cast<float>(z - 0.7));
+  };
+  for (double x = -1; x < 19; x += 0.05)
+    for (double y = -3; y < 3; y += 0.05)
+    {
+      const bool in_box = x > 5 && x < 6 && y > 1 && y < 2;
+      if (!in_box) add(x, y, 0);
+      add(x, y, 2.6);
+    }
+  for (double z = 0; z < 2.6; z += 0.05)
+    for (double u = -1; u < 19; u += 0.05)
+      for (const double y : {-3.0, 3.0}) add(u, y, z);
+  for (double z = 0; z < 1; z += 0.05)
+    for (double u = 0; u < 1; u += 0.05)
+    {
+      for (const double x : {5.0, 6.0}) add(x, 1 + u, z);
+      for (const double y : {1.0, 2.0}) add(5 + u, y, z);
+    }
+  write("hall/map.pcd", pcd_binary(p));
+  const CommandEnd o =
+      run("talus-map hall/map.pcd --mount hall=0,0,0.7,0,0,0 -s resolution=0.1 --output map");
+  EXPECT_EQ(o.code, 0) << o.text;
+  EXPECT_NE(o.text.find("--clouds-in sensor"), std::string::npos) << o.text;
+  EXPECT_EQ(o.text.find("hint"), std::string::npos) << o.text;
+  const auto site = io::read_geotiff(dir_ / "map/site.tif", {"traversability"});
+  const auto shares = [&](double x0_m, double x1_m, double y0_m, double y1_m)
+  {
+    double all = 0, free = 0, blocked = 0;
+    for (int y = 0; y < site.cells_y; ++y)
+      for (int x = 0; x < site.cells_x; ++x)
+      {
+        const double x_m = site.min_x_m + (x + 0.5) * site.resolution_m;
+        const double y_m = site.min_y_m + (y + 0.5) * site.resolution_m;
+        if (x_m < x0_m || x_m > x1_m || y_m < y0_m || y_m > y1_m) continue;
+        const float score = site.layers[0][static_cast<std::size_t>(y * site.cells_x + x)];
+        ++all;
+        free += score > 0 ? 1 : 0;
+        blocked += score <= 0 ? 1 : 0;
+      }
+    return std::pair(free / all, blocked / all);
+  };
+  EXPECT_EQ(shares(5.1, 5.9, 1.1, 1.9).first, 0) << "nothing is known of the inside of the box";
+  EXPECT_GT(shares(4.95, 5.05, 1.1, 1.9).second, 0.9);
+  EXPECT_GT(shares(-0.5, 4.5, -2.5, 2.5).first, 0.95);
+  EXPECT_GT(shares(13, 18, -2.5, 2.5).first, 0.95) << "all of the map, not a window of it";
+  done("talus-import hall/map.pcd --clouds-in sensor --output scan.rawlog");
+  EXPECT_EQ(scans_of("scan.rawlog").size(), 1u);
+}
+
 TEST_F(TalusImport, gives_scans_that_are_deskewed)
 {
   for (int i = 0; i < 5; ++i)
@@ -518,9 +617,11 @@ TEST_F(TalusImport, names_the_switches_that_read_bags_which_are_cut_or_have_two_
   if (run("python3 -S " TALUS_SOURCE_DIR "/test/import/make_bags.py . boot_clouds.mcap log.db3")
           .code != 0)
     GTEST_SKIP() << "no bags can be made here: python3, zstd, lz4?";
-  fails("boot_clouds.mcap --output log.rawlog", 1, {"--recorded-times"});
+  fails("boot_clouds.mcap --stamped-times --output log.rawlog", 1, {"--recorded-times"});
   done("talus-import boot_clouds.mcap --recorded-times --output boot.rawlog");
-  EXPECT_EQ(scans_of("boot.rawlog").size(), 10u);
+  done("talus-import boot_clouds.mcap --output by_itself.rawlog");
+  for (const char* log : {"boot.rawlog", "by_itself.rawlog"})
+    EXPECT_NEAR(scans_of(log).at(9).stamp_s, kFirst_s + 0.91, 1e-6);
   fs::resize_file(dir_ / "log.db3", fs::file_size(dir_ / "log.db3") / 2);
   fails("log.db3 --output log.rawlog", 1, {"log.db3: is cut", "--partial"});
   write("lidar/0.bin", std::string(16, '\0'));

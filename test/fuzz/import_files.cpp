@@ -8,6 +8,7 @@
 #include "formats.h"
 #include "fuzz.h"
 #include "folder_layout.h"
+#include "point_times.h"
 
 using namespace talus;
 using namespace talus::import;
@@ -25,7 +26,12 @@ void look_at_scan(const std::string& path, void (*read)(const std::string&, Scan
   for (const auto* axis : {&scan.x_m, &scan.y_m, &scan.z_m})
     for (const double number : *axis)
       fuzz::require(std::isfinite(static_cast<float>(number)), "points are finite");
-  for (const float time_s : times_since(1.7e9, scan, time_unit_s(scan)))
+  PointClock clock;
+  clock.add(scan, 1.7e9);
+  clock.leave_out_broken(scan);
+  fuzz::require(
+      scan.time.empty() || scan.time.size() == scan.x_m.size(), "each point keeps its time");
+  for (const float time_s : clock.times_since(1.7e9, scan))
     fuzz::require(std::isfinite(time_s), "times are finite");
 }
 

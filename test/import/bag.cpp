@@ -1,5 +1,6 @@
 // Bags of ROS 2: what another hand wrote comes back, point for point.
 #include "bag_log.h"
+#include "bag_topics.h"
 
 using namespace talus;
 using namespace talus::import;
@@ -55,6 +56,91 @@ TEST(Bag, TimesOfPointsOfTooFewDigitsAreLeftOutAndItIsSaid)
   const auto path = dir / "few_digits.mcap";
   EXPECT_TRUE(scans_of(path, "/points")[0].point_time_s.empty());
   EXPECT_TRUE(holds(remarks_of(path), "without times of points"));
+}
+
+TEST(Bag, ReadsWhatTheDriversOfLivoxWrite)
+{
+  MAKE_BAGS("livox.mcap livox_1.mcap livox_big.mcap");
+  for (const std::string name : {"livox.mcap", "livox_1.mcap", "livox_big.mcap"})
+  {
+    SCOPED_TRACE(name);
+    const auto scans = scans_of(dir / name, "/livox/lidar");
+    ASSERT_EQ(scans.size(), 3u);
+    const auto& scan = scans[2];
+    EXPECT_NEAR(scan.time_s, kBagStart_s + 0.2, 1e-6) << "of the timebase, where there is no stamp";
+    ASSERT_EQ(scan.x_m.size(), 20u);
+    for (std::size_t k : {0, 19})
+    {
+      EXPECT_EQ(scan.x_m[k], 1.0F + static_cast<float>(k));
+      EXPECT_EQ(scan.y_m[k], -2);
+      EXPECT_EQ(scan.z_m[k], 0.5F);
+      EXPECT_EQ(scan.intensity[k], 100.0F + static_cast<float>(k));
+      EXPECT_EQ(scan.ring[k], k % 4);
+      EXPECT_NEAR(scan.point_time_s[k], 1e-3 * static_cast<double>(k), 1e-6);
+    }
+  }
+}
+
+TEST(Bag, RefusesLivoxMessagesThatSayMoreThanTheyHold)
+{
+  MAKE_BAGS("lie_livox_more.mcap lie_livox_huge.mcap lie_livox_cut.mcap lie_livox_tiny.mcap");
+  for (const std::string what : {"more", "huge", "cut", "tiny"})
+  {
+    const auto error = error_of(dir / ("lie_livox_" + what + ".mcap"));
+    EXPECT_TRUE(holds(error, "/livox/lidar") && holds(error, "Copy the bag again")) << error;
+  }
+}
+
+TEST(Bag, TakesThePosesOfAPathButNotThoseOfAPlan)
+{
+  MAKE_BAGS("path.mcap plan.mcap");
+  const auto source = open_bag_source({dir / "path.mcap"}, {});
+  all_of(*source);
+  const auto poses = source->poses();
+  ASSERT_EQ(poses.entries().size(), 10u);
+  EXPECT_NEAR(poses.entries()[9].time_s, kBagStart_s + 0.9, 1e-6);
+  EXPECT_NEAR(poses.entries()[9].T_map_base.x(), 2.7, 1e-9);
+  EXPECT_TRUE(open_bag_source({dir / "plan.mcap"}, {})->poses().empty());
+  EXPECT_TRUE(holds(remarks_of(dir / "plan.mcap"), "no Path whose poses have times"));
+}
+
+TEST(Bag, LeavesOutTheCloudsThatAPipelineMakesOfOthers)
+{
+  MAKE_BAGS("copies.mcap");
+  const auto count_of = [&](const std::string& topic, const SourceOptions& options)
+  { return scans_of(dir / "copies.mcap", topic, options).size(); };
+  SourceOptions one, both;
+  one.topics = {"/thin"};
+  both.topics = {"/points", "/thin"};
+  for (const auto& [topic, count] :
+       {std::pair("/points", 10u), {"/rear", 10u}, {"/thin", 0u}, {"/a_base", 0u}})
+    EXPECT_EQ(count_of(topic, {}), count) << topic;
+  EXPECT_EQ(count_of("/thin", one), 10u);
+  EXPECT_EQ(count_of("/thin", both) + count_of("/points", both), 20u);
+  const auto remarks = remarks_of(dir / "copies.mcap");
+  for (const char* part : {"/thin is left out: its points are those of /points", "--topic /a_base"})
+    EXPECT_TRUE(holds(remarks, part)) << remarks;
+}
+
+TEST(Bag, WithoutCloudsSaysHowItGetsSome)
+{
+  const auto error_with = [](const char* topic, const char* type) -> std::string
+  {
+    try
+    {
+      roles_of({{topic, type, "cdr"}}, {}, "a.db3");
+    }
+    catch (const std::runtime_error& e)
+    {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_TRUE(holds(error_with("/camera/depth", "sensor_msgs/msg/Image"), "depth_image_proc"));
+  EXPECT_FALSE(holds(error_with("/camera", "sensor_msgs/msg/Image"), "depth_image_proc"));
+  EXPECT_TRUE(holds(error_with("/v", "velodyne_msgs/msg/VelodyneScan"), "velodyne_pointcloud"));
+  EXPECT_TRUE(holds(error_with("/o", "ouster_sensor_msgs/msg/PacketMsg"), "packets"));
+  EXPECT_TRUE(holds(error_with("/scan", "sensor_msgs/msg/LaserScan"), "one plane"));
 }
 
 TEST(Bag, ReadsFieldsOfIntegersWhereverTheyLie)

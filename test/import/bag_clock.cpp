@@ -55,22 +55,42 @@ TEST(BagClock, MountingsOfAnotherTimeNameTheSwitch)
     EXPECT_TRUE(holds(error, part)) << part << " is not in: " << error;
 }
 
-TEST(BagClock, ScansOfAnotherClockThanThePosesAreToldWithBothMedians)
+TEST(BagClock, ScansOfAnotherClockThanThePosesAreToldAndWantThatOfTheRecorder)
 {
-  MAKE_BAGS("ahead_37.mcap ahead_1.mcap ahead_all.mcap jump_2.mcap");
-  const auto warnings = [&](const std::string& name, const SourceOptions& options)
+  MAKE_BAGS("ahead_37.mcap ahead_1.mcap ahead_all.mcap jump_2.mcap boot_odometry.mcap");
+  struct Row
   {
-    const auto source = open_bag_source({dir / name}, options);
-    all_of(*source);
-    const auto all = source->warnings();
-    return all.empty() ? "" : all[0];
+    const char* name;
+    std::vector<const char*> warning;
+    bool wants, all;  //!< the recorder's clock, for poses too
   };
-  const auto of_37 = warnings("ahead_37.mcap", {});
-  for (const char* part : {"/points", "-36.98 s after", "0.00 s after", "--recorded-times"})
-    EXPECT_TRUE(holds(of_37, part)) << part << " is not in: " << of_37;
-  EXPECT_EQ(warnings("ahead_37.mcap", recorded()), "");
-  EXPECT_EQ(warnings("ahead_1.mcap", {}), "");
-  EXPECT_EQ(warnings("ahead_all.mcap", {}), "") << "of a recorder with another clock";
-  const auto jump = warnings("jump_2.mcap", {});
-  EXPECT_TRUE(holds(jump, "jumps") && holds(jump, "-1.98 to 0.02 s")) << jump;
+  for (const Row& row :
+       {Row{"ahead_37.mcap",
+            {"/points", "-36.98 s after", "0.00 s after", "--recorded-times"},
+            true,
+            false},
+        {"ahead_1.mcap", {}, false, false},
+        {"ahead_all.mcap", {}, false, false},
+        {"boot_odometry.mcap", {"/points", "--recorded-times"}, true, true},
+        {"jump_2.mcap", {"jumps", "-1.98 to 0.02 s"}, true, false}})
+  {
+    SCOPED_TRACE(row.name);
+    SourceOptions options;
+    const auto first = open_bag_source({dir / row.name}, options);
+    const auto scans = all_of(*first);
+    const auto told = first->warnings();
+    ASSERT_EQ(told.empty(), row.warning.empty());
+    for (const char* part : row.warning) EXPECT_TRUE(holds(told[0], part)) << told[0];
+    SourceOptions stamped;
+    stamped.stamped_times = true;
+    EXPECT_EQ(first->wants(options), row.wants);
+    EXPECT_EQ(options.recorded_times, row.all);
+    const auto again = open_bag_source({dir / row.name}, options);
+    EXPECT_EQ(all_of(*again).size(), scans.size());
+    EXPECT_TRUE(again->warnings().empty());
+    EXPECT_FALSE(again->wants(options));
+    const auto as_asked = open_bag_source({dir / row.name}, stamped);
+    all_of(*as_asked);
+    EXPECT_FALSE(as_asked->wants(stamped));
+  }
 }

@@ -344,6 +344,38 @@ def odometry_of_a_wheel():
                    for i in range(10)]
 
 
+def livox(at, count=20, told=None, order="<", zero=False):
+    """livox_ros_driver2/msg/CustomMsg: points 1 ms apart; the last has no padding."""
+    cdr = Cdr(order).header(0 if zero else at, "livox_frame").put("Q", at).put("I", count).put("B", 1, 0, 0, 0)
+    cdr.put("I", count if told is None else told)
+    for k in range(count):
+        cdr.put("I", 1_000_000 * k).put("f", 1 + k, -2, 0.5).put("B", 100 + k, 0x10, k % 4)
+    return cdr.bytes()
+
+
+def livox_bag(**how):
+    kind = how.pop("kind", "livox_ros_driver2/msg/CustomMsg")
+    return [(stamp(0.1 * i), "/livox/lidar", kind, livox(stamp(0.1 * i), **how)) for i in range(3)]
+
+
+def path_of(poses, now):
+    cdr = Cdr().header(now, "map").put("I", len(poses))
+    for at, x in poses:
+        cdr.header(at, "map").pose(x, 0, 0, 0)
+    return cdr.bytes()
+
+
+def with_path(planned=False):
+    """Poses as a path that grows, or the plan of a planner, which lies in the future."""
+    rows = []
+    for i in range(10):
+        rows.append((stamp(0.1 * i), "/front/points", CLOUD, front_cloud(i)))
+        steps = range(i, i + 9) if planned else range(i + 1)
+        rows.append((stamp(0.1 * i + 0.01), "/path", "nav_msgs/msg/Path",
+                     path_of([(stamp(0.1 * k), 0.3 * k) for k in steps], stamp(0.1 * i + 0.01))))
+    return [rows]
+
+
 def numbers_that_lie():
     """Clouds that say more than they hold, one a bag."""
     good = bytearray(front_cloud(0))
@@ -354,6 +386,11 @@ def numbers_that_lie():
     fields = bytearray(good)
     struct.pack_into("<I", fields, at + 8, 0xFFFFFFFF)
     return {"huge": huge, "wide": wide, "fields": fields, "cut": good[:-40], "tiny": good[:2], "xml": b"<cloud/>"}
+
+
+def livox_that_lies():
+    return {"more": livox(stamp(0), told=21), "huge": livox(stamp(0), told=0xFFFFFFFF), "cut": livox(stamp(0))[:-3],
+            "tiny": livox(stamp(0))[:30]}
 
 
 def write_endless_view(path):
@@ -433,6 +470,11 @@ def bags(folder):
         "big_endian_cdr.mcap": lambda n: write_mcap(n, [big_endian_cdr()]),
         "empty.mcap": lambda n: write_mcap(n, []),
         "times": write_times,
+        "livox.mcap": lambda n: write_mcap(n, [livox_bag()]),
+        "livox_1.mcap": lambda n: write_mcap(n, [livox_bag(kind="livox_ros_driver/msg/CustomMsg", zero=True)]),
+        "livox_big.mcap": lambda n: write_mcap(n, [livox_bag(order=">")]),
+        "path.mcap": lambda n: write_mcap(n, with_path()),
+        "plan.mcap": lambda n: write_mcap(n, with_path(planned=True)),
         "few_digits.mcap": lambda n: write_mcap(n, [timed(FLOAT32, 1, "epoch", "time")]),
         "endless_view.db3": write_endless_view,
         "generated.db3": write_generated,
@@ -444,6 +486,9 @@ def bags(folder):
     }
     for what, payload in numbers_that_lie().items():
         names[f"lie_{what}.mcap"] = lambda n, payload=payload: write_mcap(n, [[(stamp(0), "/points", CLOUD, bytes(payload))]])
+    for what, payload in livox_that_lies().items():
+        names[f"lie_livox_{what}.mcap"] = lambda n, payload=payload: write_mcap(
+            n, [[(stamp(0), "/livox/lidar", "livox_interfaces/msg/CustomMsg", payload)]])
     return {p(name): write for name, write in names.items()}
 
 

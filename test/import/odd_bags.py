@@ -228,6 +228,24 @@ def with_maps(path):
     mb.write_mcap(path, [rows])
 
 
+def copies(path):
+    """A LiDAR as it is, thinned out, moved to the base, and another LiDAR with the same stamps."""
+    import random
+
+    numbers, rows = random.Random(3), [(mb.stamp(0), "/tf_static", mb.TF, mb.transforms(
+        (mb.stamp(0), "base_link", "lidar", 0.1, 0, 0.7, 0), (mb.stamp(0), "base_link", "rear", -0.5, 0, 0.7, 0)))]
+    fields = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)]
+    some = lambda: [(numbers.uniform(-9, 9), numbers.uniform(-9, 9), numbers.uniform(-1, 1)) for _ in range(200)]
+    for i in range(10):
+        at, points = mb.stamp(0.1 * i), some()
+        rows.append((at, "/tf", mb.TF, mb.transforms((at, "odom", "base_link", 0.3 * i, 0, 0, 0))))
+        for topic, frame, cloud in (("/a_base", "base_link", [(x + 0.1, y, z + 0.7) for x, y, z in points]),
+                                    ("/points", "lidar", points), ("/thin", "lidar", points[::3]),
+                                    ("/rear", "rear", some())):
+            rows.append((at, topic, mb.CLOUD, mb.cloud(at, frame, fields, 12, cloud)))
+    mb.write_mcap(path, [rows])
+
+
 def no_returns(path, count):
     """In the frame of the base: ground that an exact sensor sees, and at its place what gave no return."""
     fields, rows = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)], []
@@ -351,6 +369,7 @@ def bags(folder):
         "ahead_all.mcap": lambda n: ahead(n, 37, poses=37),
         "jump_2.mcap": lambda n: ahead(n, 2, jump=True),
         "with_maps.mcap": with_maps,
+        "copies.mcap": copies,
         "no_returns_1.mcap": lambda n: no_returns(n, 1),
         "no_returns_9.mcap": lambda n: no_returns(n, 9),
         "wrong_order.mcap": wrong_order,

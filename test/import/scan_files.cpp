@@ -11,6 +11,7 @@
 #include "log_files.h"
 #include "lzf.h"
 #include "formats.h"
+#include "point_times.h"
 #include "scan_formats.h"
 
 using namespace talus::import;
@@ -159,8 +160,9 @@ TEST_F(ScanFiles, may_have_other_fields_in_any_order_and_of_any_type)
   EXPECT_EQ(floats(pcd.x_m), (std::vector<float>{0.25F, 0.25F, 0.25F}));
   EXPECT_EQ(floats(pcd.y_m), (std::vector<float>{0, -1, -2}));
   ASSERT_EQ(pcd.time.size(), 3u);
-  EXPECT_DOUBLE_EQ(time_unit_s(pcd), 1e-9);
-  const auto since = times_since(1.7e9, pcd, 1e-9);
+  PointClock clock;
+  clock.add(pcd, 1.7e9);
+  const auto since = clock.times_since(1.7e9, pcd);
   ASSERT_EQ(since.size(), 3u);
   EXPECT_NEAR(since[2], 0.002, 1e-6);
 
@@ -232,25 +234,71 @@ TEST_F(ScanFiles, of_ply_may_have_lists_before_their_vertices)
   EXPECT_EQ(read_as("big.ply", bytes).z_m, std::vector<double>{3});
 }
 
+/** Of scans at 10 Hz. `first`: of a scan, in the unit of the file; `stamped_s` of the first one. */
 TEST_F(ScanFiles, say_how_their_points_are_timed)
 {
-  const auto unit_s = [](std::vector<double> times, bool whole)
+  struct Row
   {
-    ScanFile scan;
-    scan.time = std::move(times);
-    scan.whole_times = whole;
-    return time_unit_s(scan);
+    double first, span, per_scan, stamped_s, seconds;
+    const char* what;
   };
-  EXPECT_EQ(unit_s({0, 0.0999}, false), 1);
-  EXPECT_EQ(unit_s({-0.1, 0}, false), 1);
-  EXPECT_EQ(unit_s({0, 99.9}, false), 1e-3);
-  EXPECT_EQ(unit_s({0, 99900}, false), 1e-6);
-  EXPECT_EQ(unit_s({0, 99.9e6}, false), 1e-9);
-  EXPECT_EQ(unit_s({0, 99.9e6}, true), 1e-9);
-  EXPECT_EQ(unit_s({1.7e9, 1.7e9 + 0.1}, false), 1);
-  EXPECT_EQ(unit_s({1.7e12, 1.7e12 + 100}, true), 1e-3);
-  EXPECT_EQ(unit_s({1.7e15, 1.7e15 + 1e5}, true), 1e-6);
-  EXPECT_EQ(unit_s({1.7e18, 1.7e18 + 1e8}, true), 1e-9);
+  const double now = 1.7e9;
+  for (const Row& row :
+       {Row{0, 0.0999, 0, now, 0, "seconds"},
+        {-0.1, 0.1, 0, now, -0.1, "up to the stamp"},
+        {0, 99.9, 0, now, 0, "ms"},
+        {0, 99900, 0, now, 0, "us"},
+        {0, 99.9e6, 0, now, 0, "ns"},
+        {now, 0.1, 0.1, now, 0, "seconds since 1970"},
+        {1e3 * now, 100, 100, now, 0, "ms since 1970"},
+        {1e6 * now, 1e5, 1e5, now, 0, "us since 1970"},
+        {1e9 * now, 1e8, 1e8, now, 0, "ns since 1970"},
+        {1e9 * now, 2e6, 1e8, now, 0, "ns of a sensor that looks ahead"},
+        {0, 0.1, 0.1, 0, 0, "seconds of a simulation"},
+        {0, 0.1, 0.1, now, NAN, "seconds since the start of the driver"},
+        {5e11, 1e8, 1e8, now, NAN, "ns since the start of the sensor"},
+        {now, 0, 0, now, NAN, "seconds as floats"}})
+  {
+    SCOPED_TRACE(row.what);
+    PointClock clock;
+    ScanFile scan;
+    for (int i = 0; i < 9; ++i)
+    {
+      const double first = row.first + i * row.per_scan;
+      scan.time = std::vector<double>(100, first + row.span / 2);
+      scan.time.front() = first;
+      scan.time.back() = first + row.span;
+      for (int k = 1; k < 99; ++k) scan.time[k] = first + row.span * k / 99;
+      if (i == 3) scan.time[50] = first + 40 * row.span;  // broken
+      clock.add(scan, row.stamped_s + 0.1 * i);
+    }
+    EXPECT_EQ(clock.why_none().empty(), !std::isnan(row.seconds)) << clock.why_none();
+    clock.leave_out_broken(scan);
+    const auto since = clock.times_since(row.stamped_s + 0.8, scan);
+    ASSERT_EQ(since.empty(), std::isnan(row.seconds));
+    if (since.empty()) continue;
+    EXPECT_NEAR(since[0], row.seconds, 1e-5);
+  }
+}
+
+TEST_F(ScanFiles, lose_points_with_broken_times)
+{
+  ScanFile scan = read_as("binary.pcd", pcd_binary(spiral(100)));
+  scan.time.clear();
+  for (int i = 0; i < 100; ++i) scan.time.push_back(1e-3 * i);
+  PointClock clock;
+  for (int i = 0; i < 3; ++i) clock.add(scan, 0.1 * i);
+  ScanFile broken = scan;
+  broken.time[7] = 3.6;
+  EXPECT_EQ(clock.leave_out_broken(broken), 1u);
+  EXPECT_EQ(broken.x_m.size(), 99u);
+  EXPECT_EQ(broken.time.size(), 99u);
+  EXPECT_EQ(broken.x_m[7], scan.x_m[8]);
+  broken = scan;
+  for (int i = 0; i < 50; ++i) broken.time[i] = 3.6 + i;
+  EXPECT_EQ(clock.leave_out_broken(broken), 0u);
+  EXPECT_TRUE(broken.time.empty()) << "nobody knows which";
+  EXPECT_EQ(broken.x_m.size(), 100u);
 }
 
 TEST_F(ScanFiles, of_pcd_say_where_the_scanner_was)
@@ -480,7 +528,9 @@ TEST_F(ScanFiles, that_are_damaged_in_a_thousand_ways_are_read_or_refused)
         ASSERT_EQ(scan.z_m.size(), scan.x_m.size());
         ASSERT_LE(scan.x_m.size(), bytes.size());
         for (const double x : scan.x_m) ASSERT_TRUE(std::isfinite(x));
-        times_since(1, scan, time_unit_s(scan));
+        PointClock clock;
+        clock.add(scan, 1);
+        clock.times_since(1, scan);
         ++read_count;
       }
       catch (const std::bad_alloc&)

@@ -308,7 +308,7 @@ TEST_F(ScanFolder, leaves_out_times_of_points_that_make_no_sense)
   write("odd/0.pcd", pcd_binary(p));
   const auto source = open("odd");
   EXPECT_TRUE(read(*source)[0].point_time_s.empty());
-  EXPECT_NE(source->remarks().back().find("times of the points are left out"), std::string::npos);
+  EXPECT_NE(source->remarks().back().find("without times of points"), std::string::npos);
 }
 
 TEST_F(ScanFolder, takes_viewpoints_for_poses_where_there_are_no_others)

@@ -82,18 +82,20 @@ void require_poses_in_time(const ImportedLog& log)
       "pass as many poses as there are scans.");
 }
 
+/** `is_again`: bytes should have meant what `notes` then says. */
 ImportedLog write_scans(
-    const SourceOptions& o, const std::string& path, MergedSources& sources,
-    const ImportProgress& progress)
+    const SourceOptions& o, const std::string& path, MergedSources& sources, PointNotes& notes,
+    bool& is_again, const ImportProgress& progress)
 {
-  RawlogWriter writer(path, o.values);
+  notes.has_rays = sources.has_rays();
+  RawlogWriter writer(path, notes);
   ImportedLog log;
   ImportedScan scan;
   bool loses_times = false;
   while (sources.next(scan))
   {
-    if (const auto m = o.mountings.find(scan.sensor_label); m != o.mountings.end())
-      scan.T_base_sensor = m->second;
+    const auto m = o.mountings.find(scan.sensor_label);
+    if (notes.has_rays && m != o.mountings.end()) scan.T_base_sensor = m->second;
     if (!log.scans.count(scan.sensor_label)) warn_of_units(scan, log);
     writer.write(scan);
     loses_times |= !scan.rgb.empty() && !scan.point_time_s.empty();
@@ -101,10 +103,29 @@ ImportedLog write_scans(
     progress(sources.progress(), counted(log.points, "point"));
   }
   writer.close();
+  is_again = writer.wants(notes);
+  if (const PointNotes& used = writer.notes(); used.step != 1)
+    log.remarks.push_back(
+        "the intensities are kept in 256 steps " + used.range_text() +
+        ", as clouds of MRPT with times of points have bytes for them");
   if (loses_times)
     log.remarks.emplace_back(
         "the times of the points are left out: clouds of MRPT keep colours or times, not both");
   return log;
+}
+
+/** Checks what was made, and adds its poses and what is to be known of it. */
+void finish(
+    const std::vector<std::string>& sources, const SourceOptions& options, MergedSources& merged,
+    const std::string& tum, ImportedLog& made)
+{
+  require_points(sources.front(), made);
+  require_sensors(options, made);
+  made.poses = write_poses(tum, options, merged);
+  require_poses_in_time(made);
+  const auto remarks = merged.remarks();
+  made.remarks.insert(made.remarks.begin(), remarks.begin(), remarks.end());
+  for (auto& warning : merged.warnings()) made.warnings.push_back(std::move(warning));
 }
 }  // namespace
 
@@ -112,16 +133,18 @@ ImportedLog import_log(
     const std::vector<std::string>& sources, const ImportOptions& options, const std::string& log,
     const std::string& tum, const ImportProgress& progress)
 {
-  MergedSources merged(sources, options.source);
-  ImportedLog made = write_scans(options.source, log, merged, progress);
-  require_points(sources.front(), made);
-  require_sensors(options.source, made);
-  made.poses = write_poses(tum, options.source, merged);
-  require_poses_in_time(made);
-  const auto remarks = merged.remarks();
-  made.remarks.insert(made.remarks.begin(), remarks.begin(), remarks.end());
-  for (auto& warning : merged.warnings()) made.warnings.push_back(std::move(warning));
-  return made;
+  SourceOptions source = options.source;
+  PointNotes notes;
+  notes.values = source.values;
+  for (;;)
+  {
+    MergedSources merged(sources, source);
+    bool is_again = false;
+    ImportedLog made = write_scans(source, log, merged, notes, is_again, progress);
+    if (merged.wants(source) || is_again) continue;
+    finish(sources, source, merged, tum, made);
+    return made;
+  }
 }
 
 std::string contents_text(const ImportedLog& log)

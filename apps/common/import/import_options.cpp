@@ -34,13 +34,19 @@ std::string read_mounting(const std::string& text, SourceOptions& options)
   return "";
 }
 
-/** An option with two words; `value` is whether it is the second. */
+/** An option with two words; `value` is whether it is the second, `first` whether the first was
+ * said. */
 void add_choice(
     CLI::App& app, const char* name, const std::array<std::string, 2>& words, bool& value,
-    const std::string& help)
+    const std::string& help, bool* first = nullptr)
 {
   app.add_option_function<std::string>(
-         name, [&value, second = words[1]](const std::string& word) { value = word == second; },
+         name,
+         [&value, first, words](const std::string& word)
+         {
+           value = word == words[1];
+           if (first) *first = word == words[0];
+         },
          help)
       ->check(CLI::IsMember({words[0], words[1]}).description(""))
       ->type_name(words[0] + "|" + words[1]);
@@ -89,7 +95,10 @@ void add_options_of_all(CLI::App& app, SourceOptions& o)
       "Whose poses they are: SLAM programs often write those of the (first) sensor");
   add_choice(
       app, "--clouds-in", {"sensor", "map"}, o.clouds_in_map,
-      "The frame of the points; those in the map are brought back by the poses");
+      "The frame of the points; those in the map are brought back by the poses. A file alone: a "
+      "scan, "
+      "or the map of a whole drive",
+      &o.is_one_scan);
   app.add_flag(
       "--partial", o.partial,
       "Read what is whole: of a bag that is cut or damaged, of a folder with fewer poses than "
@@ -126,9 +135,12 @@ void add_options_of_bags(CLI::App& app, SourceOptions& o)
       ->type_name("NAME");
   app.add_option("--map-frame", o.map_frame, "Of a bag: the map in TF (else map, or odom)")
       ->type_name("NAME");
-  app.add_flag(
+  auto* recorded = app.add_flag(
       "--recorded-times", o.recorded_times,
-      "Of a bag: scans have the time at which they were recorded, not that of the sensor's clock");
+      "Of a bag: scans have the time at which they were recorded, not that of the sensor's clock "
+      "(which is so by itself where that clock is not that of the poses)");
+  app.add_flag("--stamped-times", o.stamped_times, "Of a bag: scans always have their stamps")
+      ->excludes(recorded);
 }
 }  // namespace
 

@@ -26,6 +26,7 @@ void require_no_switch_of_bags(const SourceOptions& o, const std::string& path)
   if (!o.base_frame.empty()) name = "--base-frame";
   if (!o.map_frame.empty()) name = "--map-frame";
   if (o.recorded_times) name = "--recorded-times";
+  if (o.stamped_times) name = "--stamped-times";
   if (o.partial) name = "--partial";
   if (!name.empty())
     throw std::runtime_error(
@@ -127,6 +128,13 @@ std::vector<std::string> MergedSources::warnings() const
   for (const Source& source : sources_)
     for (auto& warning : source.scans->warnings()) all.push_back(std::move(warning));
   return all;
+}
+
+bool MergedSources::wants(SourceOptions& options) const
+{
+  bool wants = false;
+  for (const Source& source : sources_) wants |= source.scans->wants(options);
+  return wants;
 }
 
 }  // namespace talus::import

@@ -28,6 +28,9 @@ class MergedSources
 
   std::vector<std::string> remarks() const;
   std::vector<std::string> warnings() const;
+  /** See ScanSource. */
+  bool has_rays() const { return sources_.size() != 1 || sources_[0].scans->has_rays(); }
+  bool wants(SourceOptions& options) const;
 
  private:
   struct Source

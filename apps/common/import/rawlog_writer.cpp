@@ -6,18 +6,24 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <talus/io/packed_log.h>
+#include <talus/number_text.h>
 #include <talus/mrpt/version_compat.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <sstream>
 
 namespace talus::import
 {
 namespace
 {
 constexpr const char* kIntensitiesAre = "talus: the intensities of the points are ";
+constexpr const char* kStepsAre = "talus: the intensities of the points count in steps of ";
+constexpr const char* kNoRays = "talus: the points are those of a map, without rays";
+constexpr const char* kFrom = " from ";
+constexpr double kMaxByte = 255;
 
 mrpt::maps::CPointsMap::Ptr cloud_of(const ImportedScan& scan)
 {
@@ -56,20 +62,17 @@ mrpt::obs::CObservationPointCloud cloud_observation(const ImportedScan& scan)
   return obs;
 }
 
-/** In steps of 1/255 where a file has intensities from 0 to 1; other values as they are. */
-std::vector<std::uint8_t> intensity_in_bytes(const ImportedScan& scan, bool is_intensity)
+std::vector<std::uint8_t> intensity_in_bytes(const ImportedScan& scan, const PointNotes& notes)
 {
   std::vector<std::uint8_t> bytes(scan.x_m.size(), 0);
-  if (scan.intensity.empty()) return bytes;
-  const float max = *std::max_element(scan.intensity.begin(), scan.intensity.end());
-  const float scale = is_intensity && max <= 1 ? 255.0F : 1.0F;
-  for (std::size_t i = 0; i < bytes.size(); ++i)
-    bytes[i] =
-        static_cast<std::uint8_t>(std::lround(std::clamp(scan.intensity[i] * scale, 0.0F, 255.0F)));
+  for (std::size_t i = 0; i < scan.intensity.size(); ++i)
+    bytes[i] = static_cast<std::uint8_t>(
+        std::lround(std::clamp((scan.intensity[i] - notes.least) / notes.step, 0.0, kMaxByte)));
   return bytes;
 }
 
-mrpt::obs::CObservationVelodyneScan timed_observation(const ImportedScan& scan, bool is_intensity)
+mrpt::obs::CObservationVelodyneScan timed_observation(
+    const ImportedScan& scan, const PointNotes& notes)
 {
   using Duration = mrpt::Clock::duration;
   mrpt::obs::CObservationVelodyneScan obs;
@@ -79,7 +82,7 @@ mrpt::obs::CObservationVelodyneScan timed_observation(const ImportedScan& scan, 
   points.x.assign(scan.x_m.begin(), scan.x_m.end());
   points.y.assign(scan.y_m.begin(), scan.y_m.end());
   points.z.assign(scan.z_m.begin(), scan.z_m.end());
-  points.intensity = intensity_in_bytes(scan, is_intensity);
+  points.intensity = intensity_in_bytes(scan, notes);
   points.laser_id.assign(scan.x_m.size(), 0);  // programs of MRPT count on them
   std::copy(scan.ring.begin(), scan.ring.end(), points.laser_id.begin());
   points.timestamp.reserve(scan.point_time_s.size());
@@ -89,6 +92,8 @@ mrpt::obs::CObservationVelodyneScan timed_observation(const ImportedScan& scan, 
         std::chrono::duration_cast<Duration>(std::chrono::duration<double>(time_s)));
   return obs;
 }
+
+bool is_timed(const ImportedScan& scan) { return !scan.point_time_s.empty() && scan.rgb.empty(); }
 }  // namespace
 
 double stamp_in_log_s(double time_s)
@@ -98,12 +103,40 @@ double stamp_in_log_s(double time_s)
 
 struct RawlogWriter::Impl
 {
-  Impl(const std::string& path, const std::string& values) : log(path), is_intensity(values.empty())
+  Impl(const std::string& path, const PointNotes& point_notes) : log(path), notes(point_notes) {}
+  void begin(const ImportedScan& scan)
   {
-    if (values.empty() || values == "rgb") return;
+    if (notes.is_guess && is_timed(scan))
+    {
+      note_range(scan);
+      set_steps(notes);
+    }
     mrpt::obs::CObservationComment comment;
-    comment.text = kIntensitiesAre + values;
-    log.write(comment);
+    if (!notes.values.empty() && notes.values != "rgb")
+      comment.text = kIntensitiesAre + notes.values + "\n";
+    if (notes.step != 1 || notes.least != 0)
+      comment.text +=
+          kStepsAre + exact_number_text(notes.step) + kFrom + exact_number_text(notes.least) + "\n";
+    if (!notes.has_rays) comment.text += std::string(kNoRays) + "\n";
+    if (!comment.text.empty()) log.write(comment);
+  }
+  void note_range(const ImportedScan& scan)
+  {
+    for (const float value : scan.intensity)
+    {
+      min = std::min(min, value);
+      max = std::max(max, value);
+    }
+  }
+  /** Values as they are, or, where bytes do not hold them, in 256 steps. */
+  void set_steps(PointNotes& n) const
+  {
+    constexpr double kMost = 65535;  // of any scanner
+    const double least = std::max<double>(min, -kMost), most = std::min<double>(max, kMost);
+    const bool is_fraction = n.values.empty() && least >= 0 && most > 0 && most <= 1;
+    n.step = is_fraction ? 1 / kMaxByte : std::max(1.0, (most - least) / kMaxByte);
+    n.least = least;
+    n.is_guess = false;
   }
   template <class Observation>
   void put(Observation obs, const ImportedScan& scan)
@@ -115,28 +148,58 @@ struct RawlogWriter::Impl
   }
 
   io::PackedLog log;
-  bool is_intensity;  //!< the intensities are such
+  PointNotes notes;
+  float min = 0, max = 0;  //!< intensity
+  std::size_t scans = 0;
+  bool has_bytes = false;  //!< of intensities
 };
 
-std::optional<std::string> values_named_by(const std::string& comment)
+std::string PointNotes::range_text() const
 {
-  const std::string begin = kIntensitiesAre;
-  if (comment.compare(0, begin.size(), begin) != 0) return std::nullopt;
-  return comment.substr(begin.size());
+  return "from " + number_text(least) + " to " + number_text(least + step * kMaxByte);
 }
 
-RawlogWriter::RawlogWriter(const std::string& path, const std::string& values)
-    : impl_(std::make_unique<Impl>(path, values))
+PointNotes notes_from(const std::string& comment)
+{
+  PointNotes notes;
+  std::istringstream lines(comment);
+  const auto rest = [](const std::string& line, const std::string& begin)
+  { return line.compare(0, begin.size(), begin) == 0 ? line.substr(begin.size()) : ""; };
+  for (std::string line; std::getline(lines, line);)
+  {
+    if (auto name = rest(line, kIntensitiesAre); !name.empty()) notes.values = std::move(name);
+    if (line == kNoRays) notes.has_rays = false;
+    const std::string steps = rest(line, kStepsAre);
+    const auto from = steps.find(kFrom);
+    if (from == std::string::npos) continue;
+    notes.step = number_from(steps.substr(0, from)).value_or(1);
+    notes.least = number_from(steps.substr(from + std::string(kFrom).size())).value_or(0);
+  }
+  return notes;
+}
+
+RawlogWriter::RawlogWriter(const std::string& path, const PointNotes& notes)
+    : impl_(std::make_unique<Impl>(path, notes))
 {
 }
 RawlogWriter::~RawlogWriter() = default;
 
 void RawlogWriter::write(const ImportedScan& scan)
 {
-  if (scan.point_time_s.empty() || !scan.rgb.empty())
-    impl_->put(cloud_observation(scan), scan);
-  else
-    impl_->put(timed_observation(scan, impl_->is_intensity), scan);
+  if (impl_->scans++ == 0) impl_->begin(scan);
+  if (!is_timed(scan)) return impl_->put(cloud_observation(scan), scan);
+  impl_->note_range(scan);
+  impl_->has_bytes = true;
+  impl_->put(timed_observation(scan, impl_->notes), scan);
+}
+
+const PointNotes& RawlogWriter::notes() const { return impl_->notes; }
+
+bool RawlogWriter::wants(PointNotes& notes) const
+{
+  notes = impl_->notes;
+  if (impl_->has_bytes) impl_->set_steps(notes);
+  return notes.step != impl_->notes.step || notes.least != impl_->notes.least;
 }
 
 void RawlogWriter::close() { impl_->log.close(); }

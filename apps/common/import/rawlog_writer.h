@@ -2,7 +2,6 @@
 #include <talus/import/scan_source.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 
 namespace talus::import
@@ -10,18 +9,26 @@ namespace talus::import
 /** The stamp of a scan as a log keeps it: in steps of 100 ns [s since the epoch]. */
 double stamp_in_log_s(double time_s);
 
-/** What a comment at the start of a log says of the intensities of its points, which are other
- * values: the name of these. Nothing where it says nothing of that. */
-std::optional<std::string> values_named_by(const std::string& comment);
+/** What a comment at the start of a log says of its points. */
+struct PointNotes
+{
+  std::string values;  //!< the name of what the intensities are; "": intensities
+  double step = 1, least = 0;  //!< value of a byte: least + step * byte
+  bool has_rays = true;  //!< see ScanSource
+  bool is_guess = true;  //!< step: the first scan shows it
+  /** All that a byte can mean: "from 0 to 2400". */
+  std::string range_text() const;
+};
+PointNotes notes_from(const std::string& comment);
 
 /** Writes scans as observations, gz-packed as what talus-sim writes: a CObservationPointCloud, or,
  * where points have times and no colours, a decoded CObservationVelodyneScan: the one class that
- * keeps them in every version of MRPT. */
+ * keeps them in every version of MRPT. That has bytes for intensities. */
 class RawlogWriter
 {
  public:
-  /** `values`: see SourceOptions. Throws std::runtime_error naming the file. */
-  explicit RawlogWriter(const std::string& path, const std::string& values = "");
+  /** Throws std::runtime_error naming the file. */
+  RawlogWriter(const std::string& path, const PointNotes& notes);
   ~RawlogWriter();
   RawlogWriter(const RawlogWriter&) = delete;
   RawlogWriter& operator=(const RawlogWriter&) = delete;
@@ -31,6 +38,11 @@ class RawlogWriter
 
   /** Ends the file, and reads it again to see that it is whole. Throws std::runtime_error. */
   void close();
+
+  /** What the bytes of intensities mean. */
+  const PointNotes& notes() const;
+  /** Whether they should mean something else to hold all that were written: sets what. */
+  bool wants(PointNotes& notes) const;
 
  private:
   struct Impl;

@@ -3,7 +3,7 @@
 
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/poses/CPose3D.h>
-#include <talus/mrpt/pose_from.h>
+#include <talus/mrpt/observation_points.h>
 #include <talus/nav/route.h>
 #include <talus/sim/scanner.h>
 

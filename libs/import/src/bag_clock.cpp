@@ -35,15 +35,16 @@ void StampOffsets::add(std::int64_t log_time_ns, std::int64_t stamp_ns)
 
 /** Compared where both were recorded, as the clock of a simulation runs slower than the recorder's:
  * medians of parts of the bag, which stand messages that were recorded late. */
-std::string StampOffsets::warning_of_clock(const StampOffsets& poses) const
+StampOffsets::Comparison StampOffsets::with(const StampOffsets& poses) const
 {
-  constexpr double kOther_s = 1.5;  // localization stamps its transforms up to 1 s ahead
+  constexpr double kVaries_s = 0.3;
   constexpr std::size_t kMinPerPart = 5, kMaxParts = 8;
-  if (all_.empty() || poses.all_.empty()) return "";
+  if (all_.empty() || poses.all_.empty()) return {};
   const auto before = [](const Offset& a, const Offset& b)
   { return a.log_time_ns < b.log_time_ns; };
   const std::size_t parts = std::clamp<std::size_t>(all_.size() / kMinPerPart, 1, kMaxParts);
   std::vector<double> scans_s, poses_s, apart_s;
+  std::size_t steady = 0;  // parts
   for (std::size_t part = 0; part < parts; ++part)
   {
     std::vector<double> of_scans, of_poses, apart;
@@ -54,17 +55,24 @@ std::string StampOffsets::warning_of_clock(const StampOffsets& poses) const
       of_poses.push_back((pose == poses.all_.end() ? poses.all_.back() : *pose).late_s);
       apart.push_back(of_scans.back() - of_poses.back());
     }
+    const double varies_s = io::quantile(of_scans, 0.9) - io::quantile(of_scans, 0.1);
+    steady += varies_s <= kVaries_s ? 1 : 0;
     scans_s.push_back(io::quantile(of_scans, 0.5));
     poses_s.push_back(io::quantile(of_poses, 0.5));
     apart_s.push_back(io::quantile(apart, 0.5));
   }
   const auto [least, most] = std::minmax_element(apart_s.begin(), apart_s.end());
-  if (std::max(std::abs(*least), std::abs(*most)) <= kOther_s) return "";
-  const bool is_one = *most - *least <= kOther_s;
-  return std::string("its scans have another clock than the poses") +
-         (is_one ? "" : ", and one of the two jumps") + ": they were recorded " +
-         span_text(scans_s, is_one) + " after their stamps, the poses " +
-         span_text(poses_s, is_one) + " after theirs (medians)";
+  if (std::max(std::abs(*least), std::abs(*most)) <= kOtherClock_s) return {};
+  const bool is_one = *most - *least <= kOtherClock_s;
+  Comparison found;
+  found.warning = std::string("its scans have another clock than the poses") +
+                  (is_one ? "" : ", and one of the two jumps") + ": they were recorded " +
+                  span_text(scans_s, is_one) + " after their stamps, the poses " +
+                  span_text(poses_s, is_one) + " after theirs (medians)";
+  found.is_clock = steady + 1 >= parts && 2 * steady > parts;
+  found.poses_are_recorded = std::all_of(
+      poses_s.begin(), poses_s.end(), [](double s) { return std::abs(s) <= kOtherClock_s; });
+  return found;
 }
 
 }  // namespace talus::import

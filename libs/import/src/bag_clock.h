@@ -6,6 +6,10 @@
 
 namespace talus::import
 {
+/** Clocks are another where stamps are farther apart: localization stamps its transforms up to 1 s
+ * ahead. */
+constexpr double kOtherClock_s = 1.5;
+
 /** How far stamps are from the times of recording, along a bag: of a long one not all. */
 class StampOffsets
 {
@@ -13,9 +17,14 @@ class StampOffsets
   /** In the order of recording. A stamp of 0 is none. */
   void add(std::int64_t log_time_ns, std::int64_t stamp_ns);
 
-  /** What is wrong where scans with these offsets have another clock than `poses`, or one of the
-   * two jumps; else empty. */
-  std::string warning_of_clock(const StampOffsets& poses) const;
+  /** What scans with these offsets have to do with the clock of their poses. */
+  struct Comparison
+  {
+    std::string warning;  //!< they have another one, or one of the two jumps; else empty
+    bool is_clock = false;  //!< and no delay, which would vary
+    bool poses_are_recorded = false;  //!< the poses have the clock of the recorder
+  };
+  Comparison with(const StampOffsets& poses) const;
 
  private:
   struct Offset

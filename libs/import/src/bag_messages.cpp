@@ -1,5 +1,7 @@
 #include "bag_messages.h"
 
+#include <talus/text.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -54,6 +56,40 @@ FrameTransform transform_of(CdrReader& in)
   return transform;
 }
 
+FrameTransform stamped_pose_of(CdrReader& in)
+{
+  FrameTransform transform;
+  transform.parent = header_of(in);
+  transform.T_parent_child = pose_of(in);
+  return transform;
+}
+
+/** CustomMsg of Livox's drivers: each point is uint32 offset_time [ns since timebase], float32 x, y
+ * and z, uint8 reflectivity, tag and line. */
+CloudMessage read_livox(std::string_view message)
+{
+  constexpr std::uint32_t kPoint_bytes = 19, kStep_bytes = 20;
+  constexpr std::uint64_t kMaxStamp_ns = std::numeric_limits<std::int64_t>::max();
+  CdrReader in(message);
+  CloudMessage cloud;
+  cloud.header = header_of(in);
+  const std::uint64_t timebase_ns = in.u64();
+  if (cloud.header.stamp_ns == 0)
+    cloud.header.stamp_ns = static_cast<std::int64_t>(timebase_ns & kMaxStamp_ns);
+  in.u32();  // number of points, once more
+  for (int i = 0; i < 4; ++i) in.u8();  // number of the scanner; reserved
+  cloud.height = 1;
+  cloud.width = in.count(kPoint_bytes);
+  cloud.fields = {{{"offset_time", NumberType::UInt32}, 0},  {{"x", NumberType::Float32}, 4},
+                  {{"y", NumberType::Float32}, 8},           {{"z", NumberType::Float32}, 12},
+                  {{"reflectivity", NumberType::UInt8}, 16}, {{"tag", NumberType::UInt8}, 17},
+                  {{"line", NumberType::UInt8}, 18}};
+  cloud.point_step = kStep_bytes;
+  cloud.is_big_endian = message[1] == 0;
+  cloud.data = in.rest();
+  return cloud;
+}
+
 /** By the numbers of sensor_msgs/msg/PointField. */
 NumberType type_of(std::uint8_t number, const std::string& field)
 {
@@ -95,7 +131,11 @@ void require_sizes(const CloudMessage& cloud)
   const std::string size = std::to_string(cloud.width) + " x " + std::to_string(cloud.height) +
                            " points of " + std::to_string(cloud.point_step) + " bytes";
   if (points > kMaxPoints) throw CdrError("says it has " + size + ", more than any scan has");
-  if (step < row || row + (cloud.height - 1) * step > cloud.data.size())
+  std::uint64_t point = 0;  // of the last one: what is behind its fields may be missing
+  for (const auto& f : cloud.fields)
+    point = std::max(point, f.offset + std::uint64_t{f.count} * bytes_of(f.type));
+  const std::uint64_t missing = cloud.point_step - std::min<std::uint64_t>(point, cloud.point_step);
+  if (step < row || row + (cloud.height - 1) * step > cloud.data.size() + missing)
     throw CdrError(
         "says it has " + size + " in rows of " + std::to_string(step) + ", but has " +
         std::to_string(cloud.data.size()) + " bytes of them");
@@ -142,14 +182,20 @@ FrameTransform read_odometry(std::string_view message)
 FrameTransform read_pose(std::string_view message)
 {
   CdrReader in(message);
-  FrameTransform transform;
-  transform.parent = header_of(in);
-  transform.T_parent_child = pose_of(in);
-  return transform;
+  return stamped_pose_of(in);
 }
 
-CloudMessage read_cloud(std::string_view message)
+void for_each_pose(std::string_view message, const std::function<void(FrameTransform)>& take)
 {
+  constexpr std::size_t kMinBytes = 64;
+  CdrReader in(message);
+  header_of(in);
+  for (auto left = in.count(kMinBytes); left > 0; --left) take(stamped_pose_of(in));
+}
+
+CloudMessage read_cloud(std::string_view message, const std::string& type)
+{
+  if (ends_with(type, "/CustomMsg")) return read_livox(message);
   constexpr std::size_t kMinFieldBytes = 12, kMaxFields = 1000;
   CdrReader in(message);
   CloudMessage cloud;

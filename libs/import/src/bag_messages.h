@@ -30,7 +30,7 @@ struct FrameTransform
   std::optional<mrpt::math::TPose3DQuat> T_parent_child;  //!< none: not finite, or no rotation
 };
 
-/** sensor_msgs/msg/PointCloud2; its data lie in the message. */
+/** sensor_msgs/msg/PointCloud2, or Livox's CustomMsg as one; its data lie in the message. */
 struct CloudMessage
 {
   struct Field : PointField
@@ -56,7 +56,11 @@ FrameTransform read_odometry(std::string_view message);
 /** PoseStamped and PoseWithCovarianceStamped. */
 FrameTransform read_pose(std::string_view message);
 
-CloudMessage read_cloud(std::string_view message);
+/** nav_msgs/msg/Path: its poses, as for_each_link(). */
+void for_each_pose(std::string_view message, const std::function<void(FrameTransform)>& take);
+
+/** `type`: of the message. */
+CloudMessage read_cloud(std::string_view message, const std::string& type = "");
 
 /** Whether its points are where scanners see them in the other byte order than it says, and few in
  * this one. `place` and `most_points` as below. */

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <tuple>
 
 using mrpt::poses::CPose3D;
 
@@ -21,6 +22,13 @@ std::string listed(const std::vector<std::string>& names)
     list += (list.empty() ? "" : ", ") + names[i].substr(0, kMaxText);
   return names.empty() ? "none" : list + (names.size() > kMax ? ", ..." : "");
 }
+
+/** Whether the user named the topic of these clouds. */
+bool is_named(const std::string& topic, const SourceOptions& options)
+{
+  return options.mountings.count(topic) > 0 ||
+         std::find(options.topics.begin(), options.topics.end(), topic) != options.topics.end();
+}
 }  // namespace
 
 BagMotion::BagMotion(
@@ -34,7 +42,11 @@ BagMotion::BagMotion(
   choose_base(options, path);
   choose_map(options, path);
   if (options.poses.empty()) choose_poses(reader, options);
-  if (!options.clouds_in_map) find_maps(reader, options);
+  if (!options.clouds_in_map)
+  {
+    find_maps(reader, options);
+    find_copies(reader, options);
+  }
   if (bad_poses_ > 0)
     remark(
         std::to_string(bad_poses_) +
@@ -120,37 +132,73 @@ bool BagMotion::has_moved() const
       { return (e.T_map_base - all.front().T_map_base).norm() > kFar_m; });
 }
 
+void BagMotion::leave_out(std::size_t topic, const BagReader& reader, const std::string& why)
+{
+  const auto& name = reader.topics()[topic].name;
+  left_out_.push_back(topic);
+  remark(name + " is left out: " + why + "; --topic " + name + " takes it");
+}
+
 /** Where nothing else is left, these are registered scans. */
 void BagMotion::find_maps(const BagReader& reader, const SourceOptions& options)
 {
   constexpr std::size_t kMin = 8;  // scans grow by chance
   const bool moves = has_moved();
-  auto left = cloud_topics_;
-  const auto leave_out = [&](const auto& is_map, const std::string& why)
+  const auto leave_out_if = [&](const auto& is_map, const std::string& why)
   {
-    const auto first = std::stable_partition(
-        left.begin(), left.end(), [&](const CloudTopic& t) { return !is_map(t); });
-    if (first == left.begin()) return;
-    for (auto topic = first; topic != left.end(); ++topic)
-    {
-      const auto& name = reader.topics()[topic->topic].name;
-      maps_.push_back(topic->topic);
-      remark(name + " is left out: " + why + ", as of a map; --topic " + name + " takes it");
-    }
-    left.erase(first, left.end());
+    std::vector<std::size_t> maps;
+    for (const auto& t : cloud_topics_)
+      if (!is_left_out(t.topic) && !is_named(reader.topics()[t.topic].name, options) && is_map(t))
+        maps.push_back(t.topic);
+    if (maps.size() + left_out_.size() == cloud_topics_.size()) return;
+    for (const auto topic : maps) leave_out(topic, reader, why + ", as of a map");
   };
-  const auto is_asked_for = [&](const CloudTopic& t)
-  {
-    const auto& name = reader.topics()[t.topic].name;
-    return options.mountings.count(name) > 0 ||
-           std::find(options.topics.begin(), options.topics.end(), name) != options.topics.end();
-  };
-  leave_out(
-      [&](const CloudTopic& t) { return moves && t.grows && t.count >= kMin && !is_asked_for(t); },
+  leave_out_if(
+      [&](const CloudTopic& t) { return moves && t.grows && t.count >= kMin; },
       "its clouds repeat or grow while the robot moves");
-  leave_out(
-      [&](const CloudTopic& t) { return is_fixed(t.frame) && !is_asked_for(t); },
+  leave_out_if(
+      [&](const CloudTopic& t) { return is_fixed(t.frame); },
       "its points are in a frame that does not move with the robot");
+}
+
+/** Of two topics with the same points the one in the frame of the scanner counts, as its rays begin
+ * there, else that with more points. */
+void BagMotion::find_copies(const BagReader& reader, const SourceOptions& options)
+{
+  std::vector<const CloudTopic*> scans;
+  for (const auto& t : cloud_topics_)
+    if (!is_left_out(t.topic)) scans.push_back(&t);
+  const auto is_better = [&](const CloudTopic* a, const CloudTopic* b)
+  {
+    const auto rank = [&](const CloudTopic* t)
+    {
+      return std::tuple(
+          is_named(reader.topics()[t->topic].name, options), t->frame != base_, t->first.points());
+    };
+    return rank(a) > rank(b);
+  };
+  std::stable_sort(scans.begin(), scans.end(), is_better);
+  const auto mounting = [&](const std::string& frame, std::int64_t stamp_ns)
+  { return frame == base_ ? CPose3D() : tree_.T_between(base_, frame, stamp_ns); };
+  for (std::size_t i = 1; i < scans.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+    {
+      const auto& name = reader.topics()[scans[i]->topic].name;
+      const bool is_copy = !is_left_out(scans[k]->topic) && !is_named(name, options) &&
+                           (scans[i]->first.are_in(scans[k]->first, mounting) ||
+                            scans[k]->first.are_in(scans[i]->first, mounting));
+      if (!is_copy) continue;
+      leave_out(
+          scans[i]->topic, reader,
+          "its points are those of " + reader.topics()[scans[k]->topic].name +
+              " once more, or some of them");
+      break;
+    }
+}
+
+bool BagMotion::is_left_out(std::size_t topic) const
+{
+  return std::find(left_out_.begin(), left_out_.end(), topic) != left_out_.end();
 }
 
 std::optional<CPose3D> BagMotion::T_base_sensor(
@@ -191,14 +239,18 @@ void BagMotion::choose_poses(BagReader& reader, const SourceOptions& options)
   const auto* named = named_topic(reader, options);
   if (named) return take_from(*named, reader);
   if (take_from_tf()) return;
+  // A path may be a plan; the poses of that have no times of their own.
+  const auto count_of = [](const PoseTopic& t)
+  { return t.is_path ? std::size_t{t.history.all().size() > 1} : 1 + t.count; };
   const auto most = std::max_element(
       pose_topics_.begin(), pose_topics_.end(),
-      [](const PoseTopic& a, const PoseTopic& b) { return a.count < b.count; });
-  if (most == pose_topics_.end())
+      [&](const PoseTopic& a, const PoseTopic& b) { return count_of(a) < count_of(b); });
+  if (most == pose_topics_.end() || count_of(*most) == 0)
     return remark(
         "the bag has no poses of the base: no chain in TF that moves from map or odom to " +
         (base_.empty() ? "a base" : "'" + base_.substr(0, 60) + "'") +
-        ", no Odometry, no PoseStamped. --poses FILE gives them, --base-frame and --map-frame name "
+        ", no Odometry, no PoseStamped, no Path whose poses have times. --poses FILE gives them, "
+        "--base-frame and --map-frame name "
         "frames");
   take_from(*most, reader);
   if (pose_topics_.size() > 1)

@@ -10,10 +10,12 @@
 #include <vector>
 
 #include "bag_clock.h"
+#include "bag_copies.h"
 #include "bag_frames.h"
 #include "bag_no_returns.h"
 #include "bag_reader.h"
 #include "bag_topics.h"
+#include "point_times.h"
 
 namespace talus::import
 {
@@ -40,8 +42,10 @@ class BagMotion
       const std::string& sensor_frame, std::int64_t stamp_ns);
 
   const io::Trajectory& poses() const { return poses_; }
-  /** Topics whose clouds are no scans, but maps of a SLAM. */
-  const std::vector<std::size_t>& maps() const { return maps_; }
+  /** Topics whose clouds are no scans, but maps of a SLAM, or those of another topic once more. */
+  const std::vector<std::size_t>& left_out() const { return left_out_; }
+  /** How the times of its points are read. */
+  const PointClock& clock(std::size_t topic) const;
   /** Whether the bytes of its clouds have another order than these say. */
   bool is_of_other_order(std::size_t topic) const;
   /** By topic: where the sensor has points that gave no return. */
@@ -61,6 +65,7 @@ class BagMotion
     PoseHistory history;
     std::size_t count = 0;
     StampOffsets offsets;
+    bool is_path = false;  //!< each message has all poses up to it
   };
 
   struct CloudTopic
@@ -72,6 +77,8 @@ class BagMotion
     bool needs_look = true;
     bool is_of_other_order = false;  //!< of bytes, than it says
     NoReturns no_returns;
+    PointClock clock;
+    FirstClouds first;
   };
 
   void read(BagReader& reader, const std::vector<BagRole>& roles);
@@ -79,6 +86,8 @@ class BagMotion
   void add_cloud(BagReader& reader, const BagMessage& message, std::string_view payload);
   void add_links(std::string_view payload, const BagMessage& message, bool is_static);
   void add_pose(const BagMessage& message, FrameTransform pose);
+  void add_path(const BagMessage& message, std::string_view payload);
+  PoseTopic& pose_topic(std::size_t topic, const FrameTransform& pose);
   void set_time(MessageHeader& header, const BagMessage& message) const;
   void require_room(const BagReader& reader);
   void prune(bool is_full);
@@ -94,7 +103,10 @@ class BagMotion
       const std::string& frame, const std::string& option, const std::string& path) const;
   bool is_fixed(const std::string& frame) const;
   bool has_moved() const;
+  bool is_left_out(std::size_t topic) const;
+  void leave_out(std::size_t topic, const BagReader& reader, const std::string& why);
   void find_maps(const BagReader& reader, const SourceOptions& options);
+  void find_copies(const BagReader& reader, const SourceOptions& options);
   void remark(const std::string& text) { remarks_.push_back(text); }
 
   FrameTree tree_;
@@ -106,7 +118,7 @@ class BagMotion
   bool recorded_times_ = false;
   std::size_t bad_poses_ = 0;
   std::string base_, map_;
-  std::vector<std::size_t> maps_;
+  std::vector<std::size_t> left_out_;
   io::Trajectory poses_;
   StampOffsets tf_offsets_, pose_offsets_;
   std::vector<std::string> remarks_;

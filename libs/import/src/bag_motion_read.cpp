@@ -75,6 +75,9 @@ void BagMotion::read_message(BagReader& reader, const BagMessage& message, BagRo
     case BagRole::Pose:
       add_pose(message, read_pose(payload));
       break;
+    case BagRole::Path:
+      add_path(message, payload);
+      break;
     case BagRole::None:
       break;
   }
@@ -85,6 +88,14 @@ std::map<std::size_t, std::vector<std::array<double, 3>>> BagMotion::no_returns(
   std::map<std::size_t, std::vector<std::array<double, 3>>> places;
   for (const auto& topic : cloud_topics_) places[topic.topic] = topic.no_returns.places();
   return places;
+}
+
+const PointClock& BagMotion::clock(std::size_t topic) const
+{
+  static const PointClock kNoClock;
+  for (const auto& t : cloud_topics_)
+    if (t.topic == topic) return t.clock;
+  return kNoClock;
 }
 
 bool BagMotion::is_of_other_order(std::size_t topic) const
@@ -98,7 +109,7 @@ bool BagMotion::is_of_other_order(std::size_t topic) const
  */
 void BagMotion::add_cloud(BagReader& reader, const BagMessage& message, std::string_view payload)
 {
-  auto cloud = read_cloud(payload);
+  auto cloud = read_cloud(payload, reader.topics()[message.topic].type);
   auto known = std::find_if(
       cloud_topics_.begin(), cloud_topics_.end(),
       [&](const CloudTopic& t) { return t.topic == message.topic; });
@@ -122,6 +133,9 @@ void BagMotion::add_cloud(BagReader& reader, const BagMessage& message, std::str
     cloud.is_big_endian ^= known->is_of_other_order;
     ScanFile points_of_cloud;
     collect_points(cloud, reader.place(), points_of_cloud, most_points(reader));
+    const auto stamp_ns = cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
+    known->clock.add(points_of_cloud, 1e-9 * static_cast<double>(stamp_ns));
+    known->first.add(points_of_cloud, cloud.header.frame, stamp_ns);
     known->needs_look = known->no_returns.add(points_of_cloud);
   }
   if (!known->grows && !known->needs_look) reader.ignore(message.topic);
@@ -130,9 +144,8 @@ void BagMotion::add_cloud(BagReader& reader, const BagMessage& message, std::str
 /** Stamps of another clock than that of the recorder are of no use among those of scans. */
 void BagMotion::set_time(MessageHeader& header, const BagMessage& message) const
 {
-  constexpr std::int64_t kOtherClock_ns = 10000000000;
-  if (recorded_times_ && std::abs(header.stamp_ns - message.log_time_ns) > kOtherClock_ns)
-    header.stamp_ns = message.log_time_ns;
+  const double off_s = 1e-9 * static_cast<double>(header.stamp_ns - message.log_time_ns);
+  if (recorded_times_ && std::abs(off_s) > kOtherClock_s) header.stamp_ns = message.log_time_ns;
 }
 
 void BagMotion::add_links(std::string_view payload, const BagMessage& message, bool is_static)
@@ -148,23 +161,52 @@ void BagMotion::add_links(std::string_view payload, const BagMessage& message, b
       });
 }
 
+BagMotion::PoseTopic& BagMotion::pose_topic(std::size_t topic, const FrameTransform& pose)
+{
+  for (auto& known : pose_topics_)
+    if (known.topic == topic) return known;
+  pose_topics_.push_back({topic, pose.parent.frame, pose.child, {}, 0, {}});
+  return pose_topics_.back();
+}
+
 void BagMotion::add_pose(const BagMessage& message, FrameTransform pose)
 {
-  const auto topic = message.topic;
   set_time(pose.parent, message);
   if (!pose.T_parent_child)
   {
     ++bad_poses_;
     return;
   }
-  auto known = std::find_if(
-      pose_topics_.begin(), pose_topics_.end(),
-      [topic](const PoseTopic& t) { return t.topic == topic; });
-  if (known == pose_topics_.end())
-    known = pose_topics_.insert(known, {topic, pose.parent.frame, pose.child, {}, 0, {}});
-  poses_held_ += known->history.add(pose.parent.stamp_ns, *pose.T_parent_child) ? 1 : 0;
-  ++known->count;
-  known->offsets.add(message.log_time_ns, pose.parent.stamp_ns);
+  auto& known = pose_topic(message.topic, pose);
+  poses_held_ += known.history.add(pose.parent.stamp_ns, *pose.T_parent_child) ? 1 : 0;
+  ++known.count;
+  known.offsets.add(message.log_time_ns, pose.parent.stamp_ns);
+}
+
+/** A SLAM writes it again and again, with all poses so far: the last one counts. */
+void BagMotion::add_path(const BagMessage& message, std::string_view payload)
+{
+  FrameTransform path;
+  path.parent = read_header(payload);
+  auto& known = pose_topic(message.topic, path);
+  known.is_path = true;
+  poses_held_ -= known.history.all().size();
+  known.history.clear();
+  const std::int64_t now_ns = path.parent.stamp_ns > 0 ? path.parent.stamp_ns : message.log_time_ns;
+  std::int64_t last_ns = 0;
+  for_each_pose(
+      payload,
+      [&](const FrameTransform& pose)
+      {
+        bad_poses_ += pose.T_parent_child ? 0 : 1;
+        // The poses of a plan are in the future, or have one time.
+        const bool is_past = pose.parent.stamp_ns > last_ns && pose.parent.stamp_ns <= now_ns;
+        if (!pose.T_parent_child || !is_past) return;
+        last_ns = pose.parent.stamp_ns;
+        poses_held_ += known.history.add(last_ns, *pose.T_parent_child) ? 1 : 0;
+      });
+  known.count = known.history.all().size();
+  known.offsets.add(message.log_time_ns, last_ns);
 }
 
 /** A topic of clouds without a single message must not keep what nobody needs. */

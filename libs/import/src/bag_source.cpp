@@ -43,10 +43,10 @@ struct Sensor
   std::vector<std::size_t> files;  //!< of the reader, that have scans of it, in their order
   std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
   std::size_t scans = 0, late = 0, not_mounted = 0, not_timed = 0, not_stamped = 0;
+  std::size_t broken_times = 0;  //!< points
   std::size_t no_returns = 0;  //!< points
   std::int64_t not_mounted_ns = 0;  //!< the first of those
   double off_s = 0;  //!< the time of recording of the first scan, after its stamp
-  std::optional<double> time_unit_s;  //!< of its points
   StampOffsets offsets;
 };
 
@@ -55,17 +55,16 @@ class BagSource : public ScanSource
  public:
   BagSource(const std::vector<std::string>& paths, const SourceOptions& options)
       : path_(name_of(paths)),
-        recorded_times_(options.recorded_times),
+        options_(options),
         reader_(paths, options.partial),
         roles_(roles_of(reader_.topics(), options.topics, path_)),
         motion_(reader_, roles_, options, path_),
-        mountings_(options.mountings),
         sensors_(roles_.size()),
         no_returns_(motion_.no_returns())
   {
     file_.values = options.values;
     file_.scale = options.scale;
-    for (const auto topic : motion_.maps()) roles_[topic] = BagRole::None;
+    for (const auto topic : motion_.left_out()) roles_[topic] = BagRole::None;
     std::vector<bool> wanted;
     wanted.reserve(roles_.size());
     for (const auto role : roles_) wanted.push_back(role == BagRole::Cloud);
@@ -84,20 +83,26 @@ class BagSource : public ScanSource
   io::Trajectory poses() override { return motion_.poses(); }
   std::vector<std::string> remarks() const override;
   std::vector<std::string> warnings() const override;
+  bool wants(SourceOptions& options) const override;
 
  private:
   bool read_scan(const BagMessage& message, ImportedScan& scan);
   bool place(const CloudMessage& cloud, const BagMessage& message, ImportedScan& scan);
-  void fill(ImportedScan& scan, Sensor& sensor, std::int64_t told_ns);
+  void fill(ImportedScan& scan, std::size_t topic, std::int64_t told_ns);
   void require_one_file(Sensor& sensor, const BagMessage& message) const;
   void require_scans() const;
+  bool is_recorded(const std::string& topic) const
+  {
+    const auto& topics = options_.recorded_topics;
+    return options_.recorded_times ||
+           std::find(topics.begin(), topics.end(), topic) != topics.end();
+  }
 
   std::string path_;
-  bool recorded_times_;
+  SourceOptions options_;
   BagReader reader_;
   std::vector<BagRole> roles_;
   BagMotion motion_;
-  std::map<std::string, mrpt::poses::CPose3D> mountings_;  //!< given ones, by topic
   std::vector<Sensor> sensors_;  //!< one a topic
   std::map<std::size_t, std::vector<std::array<double, 3>>> no_returns_;  //!< where, by topic
   ScanFile file_;
@@ -108,7 +113,7 @@ bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
 {
   try
   {
-    auto cloud = read_cloud(reader_.payload());
+    auto cloud = read_cloud(reader_.payload(), reader_.topics()[message.topic].type);
     cloud.is_big_endian ^= motion_.is_of_other_order(message.topic);
     auto& sensor = sensors_[message.topic];
     file_.no_return_places = no_returns_[message.topic];
@@ -128,13 +133,13 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
   auto& sensor = sensors_[message.topic];
   require_one_file(sensor, message);
   const auto told_ns = cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
-  const auto stamp_ns = recorded_times_ ? message.log_time_ns : told_ns;
+  const auto& topic = reader_.topics()[message.topic].name;
+  const auto stamp_ns = is_recorded(topic) ? message.log_time_ns : told_ns;
   sensor.not_stamped += cloud.header.stamp_ns == 0 ? 1 : 0;
   sensor.offsets.add(message.log_time_ns, stamp_ns);
   if (stamp_ns < sensor.last_ns) return ++sensor.late, false;
-  const auto& topic = reader_.topics()[message.topic].name;
-  const auto given = mountings_.find(topic);
-  const auto T_base_sensor = given == mountings_.end()
+  const auto given = options_.mountings.find(topic);
+  const auto T_base_sensor = given == options_.mountings.end()
                                  ? motion_.T_base_sensor(cloud.header.frame, stamp_ns)
                                  : std::optional<mrpt::poses::CPose3D>(given->second);
   if (!T_base_sensor)
@@ -147,7 +152,7 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
   scan.sensor_label = topic;
   scan.T_base_sensor = *T_base_sensor;
   scan.time_s = seconds(stamp_ns);
-  fill(scan, sensor, told_ns);
+  fill(scan, message.topic, told_ns);
   return true;
 }
 
@@ -166,12 +171,15 @@ void BagSource::require_one_file(Sensor& sensor, const BagMessage& message) cons
   files.push_back(file);
 }
 
-/** The times of points are told since the stamp of the sensor, or by its clock. */
-void BagSource::fill(ImportedScan& scan, Sensor& sensor, std::int64_t told_ns)
+/** The times of points are since the stamp of the sensor, or of its clock. */
+void BagSource::fill(ImportedScan& scan, std::size_t topic, std::int64_t told_ns)
 {
-  if (!sensor.time_unit_s && !file_.time.empty()) sensor.time_unit_s = time_unit_s(file_);
-  scan.point_time_s = times_since(seconds(told_ns), file_, sensor.time_unit_s.value_or(1));
-  sensor.not_timed += scan.point_time_s.size() == file_.time.size() ? 0 : 1;
+  auto& sensor = sensors_[topic];
+  const auto& clock = motion_.clock(topic);
+  const bool has_times = !file_.time.empty();
+  sensor.broken_times += clock.leave_out_broken(file_);
+  scan.point_time_s = clock.times_since(seconds(told_ns), file_);
+  sensor.not_timed += has_times && scan.point_time_s.empty() ? 1 : 0;
   take_points(file_, scan);
 }
 
@@ -217,9 +225,16 @@ std::vector<std::string> BagSource::remarks() const
     count(
         sensor.late, topic, "are left out: their stamps are before those of the scans before them");
     count(sensor.not_mounted, topic, "are left out: TF does not tell the mounting at their time");
-    count(
-        sensor.not_timed, topic,
-        "are read without times of points: these fit no unit and no beginning");
+    if (const auto why = motion_.clock(i).why_none(); !why.empty() && sensor.scans > 0)
+      all.push_back(topic + ": " + why);
+    else
+      count(
+          sensor.not_timed, topic,
+          "are read without times of points: these are far from those of the scans");
+    if (sensor.broken_times > 0)
+      all.push_back(
+          topic + ": " + std::to_string(sensor.broken_times) +
+          " points are left out: their times are far from those of their scans");
     count(
         sensor.not_stamped, topic, "have no stamp: they have the time at which they were recorded");
     if (motion_.is_of_other_order(i))
@@ -232,11 +247,14 @@ std::vector<std::string> BagSource::remarks() const
           topic + ": " + std::to_string(sensor.no_returns) +
           " points are left out: in each of the first scans some lie at exactly " +
           places_text(no_returns_.at(i)) + ", as rays without a return");
-    if (recorded_times_)
+    if (is_recorded(topic))
       count(
           sensor.scans, topic,
           ("have the time of recording, " + fixed_text(sensor.off_s, 3) +
-           " s after the stamp of the first")
+           " s after the stamp of the first" +
+           (options_.recorded_topics.empty() ? ""
+                                             : ", as their stamps are of another clock than the "
+                                               "poses (--stamped-times keeps the stamps)"))
               .c_str());
   }
   return all;
@@ -246,13 +264,36 @@ std::vector<std::string> BagSource::warnings() const
 {
   std::vector<std::string> all;
   for (std::size_t i = 0; i < sensors_.size(); ++i)
-    if (const auto clock = sensors_[i].offsets.warning_of_clock(motion_.pose_offsets());
-        !clock.empty())
+    if (const auto clock = sensors_[i].offsets.with(motion_.pose_offsets()); !clock.warning.empty())
       all.push_back(
-          reader_.topics()[i].name + ": " + clock +
-          (recorded_times_ ? ". --poses FILE gives poses with the times of recording"
-                           : ". --recorded-times takes the times of recording for the scans"));
+          reader_.topics()[i].name + ": " + clock.warning +
+          (options_.recorded_times
+               ? ". --poses FILE gives poses with the times of recording"
+               : ". --recorded-times takes the times of recording for the scans"));
   return all;
+}
+
+/** The recorder's clock, where that of a sensor or of the poses is another one. */
+bool BagSource::wants(SourceOptions& options) const
+{
+  const bool is_asked_for = options_.recorded_times && options_.recorded_topics.empty();
+  if (is_asked_for || options_.stamped_times) return false;
+  bool wants = false;
+  for (std::size_t i = 0; i < sensors_.size(); ++i)
+  {
+    const auto clock = sensors_[i].offsets.with(motion_.pose_offsets());
+    if (!clock.is_clock) continue;
+    if (!options_.recorded_topics.empty())
+      throw std::runtime_error(
+          path_ + ": " + reader_.topics()[i].name + ": " + clock.warning +
+          ". --poses FILE gives poses with the clock of the scans; --stamped-times takes the "
+          "stamps "
+          "as they are.");
+    wants = true;
+    options.recorded_topics.push_back(reader_.topics()[i].name);
+    options.recorded_times |= !clock.poses_are_recorded;
+  }
+  return wants;
 }
 }  // namespace
 

@@ -14,6 +14,10 @@ BagRole role_of(const BagTopic& topic)
 {
   static const std::map<std::string, BagRole> kRoles = {
       {"sensor_msgs/msg/PointCloud2", BagRole::Cloud},
+      {"livox_ros_driver2/msg/CustomMsg", BagRole::Cloud},
+      {"livox_ros_driver/msg/CustomMsg", BagRole::Cloud},
+      {"livox_interfaces/msg/CustomMsg", BagRole::Cloud},
+      {"nav_msgs/msg/Path", BagRole::Path},
       {"tf2_msgs/msg/TFMessage", BagRole::Tf},
       {"nav_msgs/msg/Odometry", BagRole::Odometry},
       {"geometry_msgs/msg/PoseStamped", BagRole::Pose},
@@ -42,6 +46,33 @@ std::string list_of(const std::vector<BagTopic>& topics)
   if (topics.size() > kMaxLines)
     list += "\n  and " + std::to_string(topics.size() - kMaxLines) + " more";
   return topics.empty() ? " It holds no topics at all." : " It holds:" + list;
+}
+
+/** How what a bag has instead of clouds becomes clouds; "": nobody knows. */
+std::string advice_for(const std::vector<BagTopic>& topics)
+{
+  struct Advice
+  {
+    const char *type, *name, *text;
+  };
+  constexpr Advice kAdvice[] = {
+      {"Packet", "",
+       "has packets of a scanner: play the bag, let the driver of the scanner make "
+       "PointCloud2 of them, and record these"},
+      {"VelodyneScan", "",
+       "has packets: velodyne_pointcloud makes PointCloud2 of them; record these"},
+      {"UdpFrame", "",
+       "has packets: the driver of the scanner makes PointCloud2 of them; record these"},
+      {"sensor_msgs/msg/Image", "depth",
+       "has depth images: point_cloud_xyz of depth_image_proc "
+       "makes PointCloud2 of them; record these"},
+      {"sensor_msgs/msg/LaserScan", "", "is of a scanner of one plane, which shows no ground"}};
+  for (const Advice& advice : kAdvice)
+    for (const auto& topic : topics)
+      if (topic.type.find(advice.type) != std::string::npos &&
+          topic.name.find(advice.name) != std::string::npos)
+        return " " + topic.name.substr(0, 100) + " " + advice.text + ".";
+  return "";
 }
 }  // namespace
 
@@ -75,7 +106,8 @@ std::vector<BagRole> roles_of(
   }
   if (!has_clouds)
     throw std::runtime_error(
-        path + ": has no topic with sensor_msgs/msg/PointCloud2 in CDR." + list_of(topics));
+        path + ": has no topic with sensor_msgs/msg/PointCloud2 in CDR." + advice_for(topics) +
+        list_of(topics));
   return roles;
 }
 

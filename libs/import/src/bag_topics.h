@@ -14,7 +14,8 @@ enum class BagRole
   Tf,
   TfStatic,
   Odometry,
-  Pose  //!< with or without covariance
+  Pose,  //!< with or without covariance
+  Path
 };
 
 /** One role a topic. `wanted` (all, where none is named): the clouds of these topics, and the poses

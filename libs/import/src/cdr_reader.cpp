@@ -85,6 +85,7 @@ bool CdrReader::flag() { return u8() != 0; }
 std::uint8_t CdrReader::u8() { return number<std::uint8_t>(); }
 std::int32_t CdrReader::i32() { return number<std::int32_t>(); }
 std::uint32_t CdrReader::u32() { return number<std::uint32_t>(); }
+std::uint64_t CdrReader::u64() { return number<std::uint64_t>(); }
 double CdrReader::f64() { return number<double>(); }
 std::string CdrReader::string() { return number<std::string>(); }
 
@@ -97,6 +98,8 @@ std::uint32_t CdrReader::count(std::size_t least_bytes)
         std::to_string(impl_->left()) + " bytes");
   return n;
 }
+
+std::string_view CdrReader::rest() { return {position_of(impl_->cdr), impl_->left()}; }
 
 std::string_view CdrReader::bytes()
 {

@@ -30,6 +30,7 @@ class CdrReader
   std::uint8_t u8();
   std::int32_t i32();
   std::uint32_t u32();
+  std::uint64_t u64();
   double f64();
   std::string string();
 
@@ -38,6 +39,9 @@ class CdrReader
 
   /** A sequence of bytes, where it lies in the message. */
   std::string_view bytes();
+
+  /** All that is left, where it lies. */
+  std::string_view rest();
 
  private:
   template <class T>

@@ -77,6 +77,7 @@ class PlacedScans : public ScanSource
   io::Trajectory poses() override;
   std::vector<std::string> remarks() const override;
   std::vector<std::string> warnings() const override { return source_->warnings(); }
+  bool wants(SourceOptions& options) const override { return source_->wants(options); }
 
  private:
   /** False: it is left out. */

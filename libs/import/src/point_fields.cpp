@@ -40,13 +40,14 @@ std::string plain_name(const std::string& name)
 
 using Names = std::vector<std::string_view>;
 const Names kIntensity = {"intensity", "i", "reflectivity", "reflectance", "remission"};
-const Names kTime = {"t",          "time",        "timestamp", "time_stamp", "stamp",
-                     "point_time", "offset_time", "gps_time",  "gpstime"};
+const Names kTime = {"t",           "time",     "timestamp", "time_stamp", "stamp",   "point_time",
+                     "offset_time", "gps_time", "gpstime",   "dt",         "delta_t", "t_offset"};
 const Names kRgb = {"rgb", "rgba"};
 const Names kRed = {"red", "r"}, kGreen = {"green", "g"}, kBlue = {"blue", "b"};
+constexpr const char* kSeenFrom[] = {"vp_x", "vp_y", "vp_z"};
 const Names kRing = {"ring", "channel", "laser_id", "laserid", "line"};
 
-/** The place of the first of the names that there is, or -1. */
+/** The index of the first of the names that there is, or -1. */
 int find(const std::vector<PointField>& fields, const Names& names)
 {
   for (const auto& name : names)
@@ -56,11 +57,6 @@ int find(const std::vector<PointField>& fields, const Names& names)
 }
 
 constexpr auto kNone = static_cast<std::size_t>(-1);
-
-bool is_whole(NumberType type)
-{
-  return type != NumberType::Float32 && type != NumberType::Float64;
-}
 
 /** Finite, also as a float. */
 bool is_float(double value) { return std::abs(value) <= std::numeric_limits<float>::max(); }
@@ -208,6 +204,8 @@ PointCollector::PointCollector(
           "). Is it a cloud of points?");
   want_values(fields, place);
   time_ = want(fields, kTime);
+  if (time_ < 0) time_ = want_like(fields, {"time", "stamp"});
+  for (std::size_t axis = 0; axis < 3; ++axis) seen_from_[axis] = want(fields, {kSeenFrom[axis]});
   ring_ = want(fields, kRing);
   for (const std::size_t at : wanted_)
     if (fields[at].count != 1)
@@ -227,21 +225,36 @@ PointCollector::PointCollector(
   out.place = place;
   for (std::size_t axis = 0; axis < 3; ++axis)
     out.float_coordinates |= fields[wanted_[axis]].type == NumberType::Float32;
-  if (time_ >= 0) out.whole_times = is_whole(fields[wanted_[static_cast<std::size_t>(time_)]].type);
   for (auto* axis : {&out.x_m, &out.y_m, &out.z_m}) axis->reserve(points);
   if (intensity_ >= 0) out.intensity.reserve(points);
   if (has_rgb()) out.rgb.reserve(points);
   if (time_ >= 0) out.time.reserve(points);
   if (ring_ >= 0) out.ring.reserve(points);
+  if (has_seen_from()) out.seen_from_m.reserve(points);
 }
 
-/** The place in wanted_ of the first of the names that there is, or -1. */
+/** The index in wanted_ of the first of the names that there is, or -1. */
 int PointCollector::want(const std::vector<PointField>& fields, const Names& names)
 {
-  const int at = find(fields, names);
+  return want_field(fields, find(fields, names), names == kRgb);
+}
+
+/** The same of the first one with a name that has one of the words in it: relative_time,
+ * time_offset_ns. */
+int PointCollector::want_like(const std::vector<PointField>& fields, const Names& words)
+{
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    for (const auto word : words)
+      if (fields[i].count == 1 && plain_name(fields[i].name).find(word) != std::string::npos)
+        return want_field(fields, static_cast<int>(i), false);
+  return -1;
+}
+
+int PointCollector::want_field(const std::vector<PointField>& fields, int at, bool is_colour)
+{
   if (at < 0) return -1;
   const PointField& field = fields[static_cast<std::size_t>(at)];
-  const bool is_packed = names == kRgb && field.type == NumberType::Float32;
+  const bool is_packed = is_colour && field.type == NumberType::Float32;
   wanted_.push_back(static_cast<std::size_t>(at));
   types_.push_back(is_packed ? NumberType::UInt32 : field.type);
   return static_cast<int>(wanted_.size() - 1);
@@ -353,6 +366,10 @@ void PointCollector::add(const double* values)
     out_->intensity.push_back(is_float(intensity) ? static_cast<float>(intensity) : 0.0F);
   }
   if (has_rgb()) out_->rgb.push_back(rgb_of(values));
+  if (has_seen_from())
+    out_->seen_from_m.push_back(
+        {scale * values[seen_from_[0]], scale * values[seen_from_[1]],
+         scale * values[seen_from_[2]]});
   if (ring_ >= 0)
   {
     constexpr double kMax = std::numeric_limits<std::uint16_t>::max();
@@ -377,43 +394,6 @@ void take_points(ScanFile& file, ImportedScan& scan)
   scan.rgb.swap(file.rgb);
   scan.ring.swap(file.ring);
   scan.not_finite = file.not_finite;
-}
-
-double time_unit_s(const ScanFile& scan)
-{
-  if (scan.time.empty()) return 1;
-  const auto [least, most] = std::minmax_element(scan.time.begin(), scan.time.end());
-  // Those of now in seconds since 1970 are 1.8e9, and no scan takes 100 s.
-  constexpr double kSinceEpoch = 1e9;
-  if (*least >= kSinceEpoch)
-    return *least >= 1e17 ? 1e-9 : *least >= 1e14 ? 1e-6 : *least >= 1e11 ? 1e-3 : 1;
-  if (scan.whole_times) return 1e-9;
-  constexpr double kLongestScan_s = 2;
-  for (const double unit_s : {1.0, 1e-3, 1e-6})
-    if ((*most - *least) * unit_s <= kLongestScan_s) return unit_s;
-  return 1e-9;
-}
-
-std::vector<float> times_since(double time_s, const ScanFile& scan, double unit_s)
-{
-  if (scan.time.empty()) return {};
-  constexpr double kLongest_s = 60, kLongestScan_s = 2;
-  const auto [least, most] = std::minmax_element(scan.time.begin(), scan.time.end());
-  const double least_s = unit_s * *least;
-  // Of a simulation, or since the start of a robot, also absolute times are small.
-  const bool is_absolute =
-      least_s > kLongestScan_s && std::abs(least_s - time_s) < std::abs(least_s);
-  if (is_absolute && scan.time.size() > 1 && *least == *most) return {};  // too few digits
-  const double origin_s = is_absolute ? time_s : 0;
-  std::vector<float> times_s;
-  times_s.reserve(scan.time.size());
-  for (const double time : scan.time)
-  {
-    const double since_s = time * unit_s - origin_s;
-    if (!(std::abs(since_s) <= kLongest_s)) return {};
-    times_s.push_back(static_cast<float>(since_s));
-  }
-  return times_s;
 }
 
 }  // namespace talus::import

@@ -74,7 +74,7 @@ struct ScanFile
   std::vector<std::uint32_t> rgb;  //!< 0x00RRGGBB
   std::vector<double> time;  //!< in the unit and since the moment that the file means
   std::vector<std::uint16_t> ring;
-  bool whole_times = false;  //!< they are integers
+  std::vector<std::array<double, 3>> seen_from_m;  //!< the sensor in the frame of the points
   std::size_t not_finite = 0;  //!< points that are left out
   std::size_t no_returns = 0;  //!< these too: they lie at one of no_return_places
   std::optional<mrpt::poses::CPose3D> viewpoint;  //!< the sensor in the map, where it says so
@@ -123,7 +123,13 @@ class PointCollector
   void add(const double* values);
   using Names = std::vector<std::string_view>;
   int want(const std::vector<PointField>& fields, const Names& names);
+  int want_like(const std::vector<PointField>& fields, const Names& words);
+  int want_field(const std::vector<PointField>& fields, int at, bool is_colour);
   void want_values(const std::vector<PointField>& fields, const std::string& place);
+  bool has_seen_from() const
+  {
+    return seen_from_[0] >= 0 && seen_from_[1] >= 0 && seen_from_[2] >= 0;
+  }
   bool has_rgb() const { return rgb_ >= 0 || red_ >= 0; }
   std::uint32_t rgb_of(const double* values) const;
 
@@ -133,6 +139,7 @@ class PointCollector
   std::vector<double> values_;  //!< of one point
   int intensity_ = -1, time_ = -1, ring_ = -1;  //!< places in wanted_
   int rgb_ = -1, red_ = -1, green_ = -1, blue_ = -1;
+  int seen_from_[3] = {-1, -1, -1};
   bool is_rgb_text_ = false;  //!< the bits of a float as decimals
   ScanFile* out_;
 };
@@ -141,12 +148,5 @@ class PointCollector
  * away than floats count millimetres get an origin_m beside them. Throws std::runtime_error that
  * names the place where the file has such points as floats: they are rounded already. */
 void take_points(ScanFile& file, ImportedScan& scan);
-
-/** Seconds of one unit of the times of points. */
-double time_unit_s(const ScanFile& scan);
-
-/** The times of points relative to that of the scan [s]; empty where they make no sense: whoever
- * wrote them did not keep enough digits, or meant another clock. */
-std::vector<float> times_since(double time_s, const ScanFile& scan, double unit_s);
 
 }  // namespace talus::import

@@ -1,3 +1,4 @@
+#include <talus/io/quantile.h>
 #include <talus/number_text.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 
 #include "folder_layout.h"
 #include "formats.h"
+#include "point_times.h"
 
 using mrpt::poses::CPose3D;
 
@@ -27,13 +29,6 @@ void read_scan(const std::string& path, const Format& format, ScanFile& out)
   throw std::runtime_error(path + ": " + how);
 }
 
-constexpr double kSinceEpoch_s = 1e9;  //!< times that are not since a start of something
-
-double first_time_s(const ScanFile& scan, double unit_s)
-{
-  return unit_s * *std::min_element(scan.time.begin(), scan.time.end());
-}
-
 /** KITTI's scanner above the road, as its page on the car says. */
 const CPose3D kMountingOnKittisCar(0, 0, 1.73, 0, 0, 0);
 
@@ -48,7 +43,7 @@ class ScanFolder : public ScanSource
     return static_cast<double>(next_) / static_cast<double>(layout_.scans.size());
   }
   io::Trajectory poses() override;
-  std::vector<std::string> remarks() const override { return remarks_; }
+  std::vector<std::string> remarks() const override;
 
  private:
   bool is_of_kitti() const
@@ -59,9 +54,9 @@ class ScanFolder : public ScanSource
   void set_mounting(const SourceOptions& options);
   void set_times();
   void set_poses(const SourceOptions& options);
-  bool has_times_of_points() const;
+  void set_clock();
   /** The time of the scan that was just read: a file's own where nothing beside it says one. */
-  double time_of_scan(std::size_t number, double unit_s);
+  double time_of_scan(std::size_t number);
   void tell_once(bool& told, const std::string& remark)
   {
     if (!told) remarks_.push_back(remark);
@@ -76,7 +71,8 @@ class ScanFolder : public ScanSource
   FolderPoses poses_;
   double last_s_ = 0;  //!< of what was read
   std::vector<io::Trajectory::Entry> read_poses_;  //!< one a scan, of poses_ or the viewpoints
-  std::optional<double> unit_s_;  //!< of the times of points, as the first scan has it
+  PointClock clock_;
+  std::size_t broken_times_ = 0;  //!< points
   ScanFile file_;
   std::size_t next_ = 0;
   std::vector<std::string> remarks_;
@@ -92,7 +88,9 @@ ScanFolder::ScanFolder(const Input& input, const SourceOptions& options)
   file_.fields = options.fields;
   read_scan(layout_.scans.front(), *layout_.format, file_);  // what is no scan shows at once
   set_times();
+  set_clock();
   if (options.own_poses) set_poses(options);
+  if (!poses_.times_s.empty()) set_clock();
   const bool has_poses = !poses_.tum.empty() || !poses_.T_map_sensor.empty() || file_.viewpoint;
   if (options.clouds_in_map && !has_poses)
     throw std::runtime_error(
@@ -148,7 +146,7 @@ void ScanFolder::set_poses(const SourceOptions& options)
   const std::string path = options.poses.empty() ? layout_.poses : options.poses;
   if (path.empty()) return;
   if (options.poses.empty()) remarks_.push_back("the poses are those of " + path);
-  poses_ = read_folder_poses(path, layout_, options, !times_s_.empty() || has_times_of_points());
+  poses_ = read_folder_poses(path, layout_, options, !times_s_.empty() || clock_.is_since_epoch());
   const auto count = layout_.scans.size();
   if (poses_.scans == count) return;
   layout_.scans.resize(poses_.scans);
@@ -158,18 +156,32 @@ void ScanFolder::set_poses(const SourceOptions& options)
       " scans of " + layout_.label + " are left out: " + path + " has no poses for them");
 }
 
-/** Whether the points of the first scan say when since 1970 they were taken. */
-bool ScanFolder::has_times_of_points() const
+/** Of scans from the whole folder. */
+void ScanFolder::set_clock()
 {
-  return !file_.time.empty() && first_time_s(file_, time_unit_s(file_)) >= kSinceEpoch_s;
+  constexpr std::size_t kEnough = 9;
+  if (file_.time.empty()) return;
+  const auto& times_s = times_s_.empty() ? poses_.times_s : times_s_;
+  clock_ = {};
+  ScanFile scan = file_;
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < std::min(kEnough, layout_.scans.size()); ++i)
+  {
+    const std::size_t number = i * layout_.scans.size() / std::min(kEnough, layout_.scans.size());
+    if (number != last) read_scan(layout_.scans[number], *layout_.format, scan);
+    last = number;
+    clock_.add(scan, number < times_s.size() ? times_s[number] : std::nan(""));
+  }
+  std::vector<double> periods_s;
+  for (std::size_t i = 1; i < times_s.size(); ++i) periods_s.push_back(times_s[i] - times_s[i - 1]);
+  if (!periods_s.empty()) clock_.set_period(io::quantile(std::move(periods_s), 0.5));
 }
 
-double ScanFolder::time_of_scan(std::size_t number, double unit_s)
+double ScanFolder::time_of_scan(std::size_t number)
 {
   if (!times_s_.empty()) return times_s_[number];
-  if (!file_.time.empty())
-    if (const double first_s = first_time_s(file_, unit_s); first_s >= kSinceEpoch_s)
-      return first_s;
+  if (const double first_s = clock_.first_s(file_); clock_.is_since_epoch() && !std::isnan(first_s))
+    return first_s;
   if (!poses_.times_s.empty())
   {
     tell_once(
@@ -196,18 +208,20 @@ bool ScanFolder::next(ImportedScan& scan)
   if (next_ == layout_.scans.size()) return false;
   const std::size_t number = next_;
   if (number > 0) read_scan(layout_.scans[number], *layout_.format, file_);
-  if (!unit_s_ && !file_.time.empty()) unit_s_ = time_unit_s(file_);
-  const double unit_s = unit_s_.value_or(1);
-  const double time_s = time_of_scan(number, unit_s);
+  const bool has_times = !file_.time.empty();
+  if (has_times && clock_.empty())
+    clock_.add(file_, times_s_.empty() ? std::nan("") : times_s_[number]);
+  broken_times_ += clock_.leave_out_broken(file_);
+  const double time_s = time_of_scan(number);
   require_order(number, time_s);
   ++next_;
 
   scan.sensor_label = layout_.label;
   scan.time_s = time_s;
   scan.T_base_sensor = T_base_sensor_;
+  scan.point_time_s = clock_.times_since(time_s, file_);
   take_points(file_, scan);
-  scan.point_time_s = times_since(time_s, file_, unit_s);
-  if (scan.point_time_s.empty() && !file_.time.empty())
+  if (scan.point_time_s.empty() && has_times && clock_.why_none().empty())
     tell_once(
         told_times_,
         "the times of the points are left out: they lie more than a minute from those "
@@ -218,6 +232,17 @@ bool ScanFolder::next(ImportedScan& scan)
   if (!poses_.tum.empty()) scan.T_map_sensor.reset();
   if (scan.T_map_sensor) read_poses_.push_back({time_s, *scan.T_map_sensor + (-T_base_sensor_)});
   return true;
+}
+
+std::vector<std::string> ScanFolder::remarks() const
+{
+  auto all = remarks_;
+  if (const auto why = clock_.why_none(); !why.empty()) all.push_back(layout_.label + ": " + why);
+  if (broken_times_ > 0)
+    all.push_back(
+        layout_.label + ": " + std::to_string(broken_times_) +
+        " points are left out: their times are far from those of their scans");
+  return all;
 }
 
 io::Trajectory ScanFolder::poses()

@@ -12,6 +12,7 @@
 
 #include "formats.h"
 #include "placed_scans.h"
+#include "whole_map.h"
 
 namespace fs = std::filesystem;
 
@@ -29,7 +30,7 @@ const Format* format_of_file(const std::string& path)
   for (const Format& format : kFormats)
     for (const std::string_view mark : format.marks)
       if (begin.substr(0, mark.size()) == mark) return &format;
-  return format_by_ending(path);
+  return format_by_ending(is_file_of_bag(path) ? io::without_packing(path) : path);
 }
 
 /** Whether one of the files of a folder that are not hidden is of that kind. */
@@ -136,6 +137,8 @@ std::vector<Input> inputs_of(const std::vector<std::string>& paths)
 std::unique_ptr<ScanSource> open_scan_source(const Input& input, const SourceOptions& options)
 {
   const std::string& path = input.paths.front();
+  if (!input.is_bag())
+    if (auto map = open_whole_map(input, options)) return map;
   if (!input.is_bag()) return place_scans(open_scan_folder(input, options), path, options, false);
   if (!options.fields.empty()) refuse_fields(path);
   return place_scans(input.format->open(input.paths, options), path, options, true);

@@ -1,6 +1,6 @@
 #include <talus/mrpt/CDualElevationMap.h>
 #include <talus/mrpt/obstacles.h>
-#include <talus/mrpt/pose_from.h>
+#include <talus/mrpt/observation_points.h>
 #include <talus/nav/costmap.h>
 #include <talus/number_text.h>
 

@@ -1,6 +1,6 @@
 #include <talus/import/scan_source.h>
 #include <talus/io/geotiff.h>
-#include <talus/mrpt/pose_from.h>
+#include <talus/mrpt/observation_points.h>
 #include <talus/site/site_geotiff.h>
 
 #include <map>

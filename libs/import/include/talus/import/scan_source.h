@@ -34,6 +34,8 @@ struct ImportedScan
   std::size_t not_finite = 0;  //!< points that were left out
 };
 
+struct SourceOptions;
+
 /** Scans in the order of time [of one sensor], one at a time: a source holds one in memory. */
 class ScanSource
 {
@@ -56,6 +58,17 @@ class ScanSource
   virtual std::vector<std::string> remarks() const { return {}; }
   /** What would make the map wrong; otherwise as remarks(). */
   virtual std::vector<std::string> warnings() const { return {}; }
+
+  /** False: the points of a map, cut into pieces; neither rays nor poses tell anything. */
+  virtual bool has_rays() const { return true; }
+
+  /** Whether the map would be wrong, but would not if all were read again with other options: sets
+   * these. Complete once next() gave false. */
+  virtual bool wants(SourceOptions& options) const
+  {
+    (void)options;
+    return false;
+  }
 };
 
 /** What only some kinds of source ask for; each names its option in its errors. */
@@ -70,10 +83,13 @@ struct SourceOptions
   std::string map_frame;  //!< --map-frame NAME, of TF; "": map, else odom
   bool recorded_times = false;  //!< --recorded-times, of bags: scans have the time of recording,
                                 //!< not the stamp of their sensor
+  bool stamped_times = false;  //!< --stamped-times: they have the stamps, whatever these are
+  std::vector<std::string> recorded_topics;  //!< whose scans alone have the time of recording
   bool partial = false;  //!< --partial: of bags that are cut what is before the cut, of folders
                          //!< with fewer poses than scans as many of the first scans
   bool poses_of_sensor = false;  //!< --poses-of sensor: of the first one, not of the base
   bool clouds_in_map = false;  //!< --clouds-in map: points lie in the frame of the poses
+  bool is_one_scan = false;  //!< --clouds-in sensor was said: a file is no map of a whole drive
   bool is_only_source = true;  //!< false: there are others, which have to agree on one map
   std::vector<std::string> fields;  //!< --fields: of a point in .bin files; empty: KITTI's four
   std::string values;  //!< --values, of each point: "": its intensity; "rgb"; else a field by its
