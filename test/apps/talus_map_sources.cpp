@@ -1,4 +1,8 @@
 // talus-map of what is no rawlog: folders and files of scans, bags, folders of rawlogs.
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
+#include <talus/io/rawlog_reader.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -82,6 +86,31 @@ TEST_F(TalusMapSources, are_mapped_as_the_log_that_talus_import_makes_of_them)
   EXPECT_NE(one.out.find("5 poses of poses.tum"), std::string::npos) << one.out;
   EXPECT_EQ(summary("one")["poses"], "poses.tum");
   EXPECT_EQ(summary("one")["log"], "front");
+}
+
+TEST_F(TalusMapSources, may_be_the_key_frames_of_a_simplemap)
+{
+  const std::string demo = " '" TALUS_SOURCE_DIR "/datasets/worlds/demo.yaml' ";
+  const std::string simulate =
+      "cd '" + path("") + "' && '" + TALUS_SIM_EXE + "'" + demo + "--output . --frames 6 --quiet";
+  ASSERT_EQ(std::system(simulate.c_str()), 0);
+  const auto poses = talus::io::Trajectory::load(path("demo.tum"));
+  talus::io::RawlogReader log(path("demo.rawlog"));
+  mrpt::maps::CSimpleMap map;
+  while (const auto obs = log.next())
+  {
+    mrpt::poses::CPose3DPDFGaussian pose;
+    pose.mean = *poses.at(mrpt::Clock::toDouble(obs->timestamp), 0.5);
+    mrpt::obs::CSensoryFrame frame;
+    frame.insert(obs);
+    map.insert(pose, frame);
+  }
+  ASSERT_TRUE(map.saveToFile(path("drive.simplemap")));
+  ASSERT_EQ(run("demo.rawlog --quiet --output log").code, 0);
+  const Outcome done = run("drive.simplemap");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_TRUE(read_bytes(path("drive_map/site.tif")) == read_bytes(path("log/site.tif")));
+  EXPECT_EQ(summary("drive_map")["poses"], "key frames of the log");
 }
 
 TEST_F(TalusMapSources, leave_the_log_beside_the_map_where_it_is_asked_for)

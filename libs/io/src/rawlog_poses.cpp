@@ -98,6 +98,11 @@ Trajectory LogPoses::best(std::string& source)
   for (auto* by_label : {&robot_poses_, &odometry_})
     for (auto& entry : *by_label) leave_out_not_finite(entry.second);
   leave_out_not_finite(integrated_);
+  if (const auto frames = robot_poses_.find(kKeyFrames); frames != robot_poses_.end())
+  {
+    source = kKeyFrames;
+    return Trajectory(frames->second);
+  }
   if (const auto* poses = largest(robot_poses_))
   {
     source = "CObservationRobotPose '" + poses->first + "'";

@@ -12,6 +12,7 @@
 #include <talus/io/mrpt_error.h>
 #include <talus/io/packed_log.h>
 
+#include "key_frames.h"
 #include "packed_file.h"
 
 #include <deque>
@@ -103,7 +104,8 @@ void RawlogReader::Impl::fill()
   {
     const auto object = stream.next();
     if (!object) return;
-    if (auto obs = std::dynamic_pointer_cast<CObservation>(object))
+    if (auto obs = std::dynamic_pointer_cast<CObservation>(object);
+        obs && obs->sensorLabel != kKeyFrames)
       pending.push_back(obs);
     else if (auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object))
       pending.assign(frame->begin(), frame->end());

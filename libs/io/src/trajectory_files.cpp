@@ -1,9 +1,5 @@
-#include <mrpt/core/Clock.h>
-#include <mrpt/maps/CSimpleMap.h>
-#include <mrpt/maps/registerAllClasses.h>
-#include <mrpt/obs/registerAllClasses.h>
 #include <talus/input_file.h>
-#include <talus/io/mrpt_error.h>
+#include <talus/io/rawlog_reader.h>
 #include <talus/io/trajectory.h>
 #include <talus/text.h>
 
@@ -14,8 +10,6 @@
 #include <fstream>
 #include <stdexcept>
 #include <string_view>
-
-#include "archive.h"
 
 using mrpt::poses::CPose3D;
 
@@ -187,61 +181,13 @@ std::vector<Trajectory::Entry> load_tum(const std::string& path)
   return entries;
 }
 
-mrpt::maps::CSimpleMap read_simplemap(const std::string& path)
-{
-  verified_size(path);  // MRPT reads a file that is cut short without a word
-  mrpt::obs::registerAllClasses_mrpt_obs();
-  mrpt::maps::registerAllClasses_mrpt_maps();
-  mrpt::maps::CSimpleMap map;
-  PackedFile file(path);
-  PackedArchive archive(file);
-  try
-  {
-    archive >> map;
-    return map;
-  }
-  catch (const std::exception& e)
-  {
-    throw std::runtime_error(
-        path + ": not a simplemap (" + reason_of(e) +
-        "). Pass a .simplemap of MRPT or a TUM text file.");
-  }
-}
-
-/** The pose of each keyframe at the time stamps of its observations. */
-std::vector<Trajectory::Entry> load_simplemap(const std::string& path)
-{
-  const auto map = read_simplemap(path);
-  std::vector<Trajectory::Entry> entries;
-  std::size_t number = 0;
-  for (const auto& keyframe : map)
-  {
-    ++number;
-    if (!keyframe.pose || !keyframe.sf) continue;
-    const CPose3D T_map_base = keyframe.pose->getMeanVal();
-    if (!is_finite(T_map_base))
-      throw std::runtime_error(
-          path + ": the pose of keyframe " + std::to_string(number) + " of " +
-          std::to_string(map.size()) + " is not finite. Delete keyframes without a pose.");
-    for (const auto& obs : *keyframe.sf)
-      if (obs && obs->timestamp != INVALID_TIMESTAMP)
-        entries.push_back({mrpt::Clock::toDouble(obs->timestamp), T_map_base});
-  }
-  if (entries.empty())
-    throw std::runtime_error(
-        path + ": none of its " + std::to_string(map.size()) +
-        " keyframes has an observation with a time stamp, so that its poses belong to no time. "
-        "Pass a TUM file instead.");
-  return entries;
-}
-
 }  // namespace
 
 Trajectory Trajectory::load(const std::string& path)
 {
   require_readable_file(path, "trajectory");
   const bool is_map = ends_with(path, ".simplemap") || ends_with(path, ".simplemap.gz");
-  return Trajectory(is_map ? load_simplemap(path) : load_tum(path));
+  return is_map ? trajectory_from_rawlog(path) : Trajectory(load_tum(path));
 }
 
 }  // namespace talus::io
