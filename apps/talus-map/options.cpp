@@ -102,8 +102,14 @@ void add_inputs(CLI::App& app, Options& o)
              "Poses of the robot: TUM text (t x y z qx qy qz qw, base in map) or .simplemap")
           ->check(not_empty())
           ->type_name("FILE");
-  app.add_flag("--static", o.robot_is_static, "The robot does not move; needs no poses")
-      ->excludes(trajectory);
+  auto* is_static =
+      app.add_flag("--static", o.robot_is_static, "The robot does not move; needs no poses")
+          ->excludes(trajectory);
+  app.add_flag(
+         "--level", o.is_levelled,
+         "Turn the map until the robot stands upright on average over its path: for poses of a "
+         "SLAM program whose map is tilted as the sensor was")
+      ->excludes(is_static);
   app.add_option(
          "--max-gap", o.max_gap_s, "Scans between poses farther apart than this are skipped [s]")
       ->check(between(0.0, 1e6))

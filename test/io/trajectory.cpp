@@ -168,7 +168,8 @@ TEST(TumFile, RefusesTwoPosesAtOneTimeUnlessTheyAreNearlyTheSame)
 TEST(TumFile, NamesTheLineThatHasTooFewOrTooManyNumbers)
 {
   expect_text_error("# c\n1 0 0 0 0 0 0 1\n2 0 0 0 0 0 1\n", {"poses.tum:3:", "7 words", "qw"});
-  expect_text_error("1 0 0 0 0 0 0 1 9\n", {"poses.tum:1:", "9 words"});
+  expect_text_error("1 0 0 0 0 0 0 1 9.5\n", {"poses.tum:1:", "9 words"});
+  expect_text_error("1 0 0 5 0 1 0 6 0 0 1 7\n", {"poses.tum:1:", "KITTI has no time", "TUM lines"});
 }
 
 TEST(TumFile, NamesTheWordThatIsNoNumber)
@@ -207,6 +208,13 @@ TEST(TumFile, RefusesStampsThatCannotBeSeconds)
 TEST(TumFile, SaysWhenThereIsNoPoseInIt)
 {
   expect_text_error("# nothing\n\n", {"poses.tum", "no poses"});
+}
+
+TEST(TumFile, MayHaveTheNumbersOfRtabMapsPoses)
+{
+  const ScratchDir dir;
+  const auto t = load_text(dir, "#timestamp x y z qx qy qz qw id\n1 5 0 0 0 0 0 1 1\n2 6 0 0 0 0 0 1 2\n");
+  EXPECT_EQ(t.at(2, 1)->x(), 6);
 }
 
 TEST(TumFile, SaysWhenItIsBinary)

@@ -56,14 +56,24 @@ std::from_chars_result read_number(std::string_view word, double& value)
   return std::from_chars(word.data() + (has_plus ? 1 : 0), word.data() + word.size(), value);
 }
 
+/** RTAB-Map writes the number of a pose behind it. */
+bool is_id(std::string_view word)
+{
+  return word.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 /** The eight numbers of a TUM line, in its order. */
 std::array<double, 8> parse_numbers(
     const std::vector<std::string_view>& words, const std::string& path, std::size_t line)
 {
-  if (words.size() != 8)
+  const bool is_of_kitti = words.size() == 12 || words.size() == 13;
+  if (words.size() != 8 && !(words.size() == 9 && is_id(words.back())))
     fail_at_line(
         path, line, std::to_string(words.size()) + " words instead of the 8 numbers " + kTumColumns,
-        "Correct or delete the line");
+        is_of_kitti ? "A pose of KITTI has no time, and goes with a folder of scans (talus-map "
+                      "FOLDER --poses FILE); for a log or a bag make TUM lines of it, with the "
+                      "times of the scans"
+                    : "Correct or delete the line");
   std::array<double, 8> v{};
   for (std::size_t i = 0; i < v.size(); ++i)
   {
