@@ -91,7 +91,8 @@ void add_inputs(CLI::App& app, Options& o)
 {
   app.add_option(
          "LOG", o.logs,
-         "Rawlogs (plain, gz or zstd) or folders of them; simplemaps; folders or files of scans (KITTI, .bin, "
+         "Rawlogs (plain, gz or zstd) or folders of them; simplemaps; folders or files of scans "
+         "(KITTI, .bin, "
          ".pcd, .ply) and ROS 2 bags, each of which becomes a log first; several are a batch")
       ->required()
       ->check(not_empty())

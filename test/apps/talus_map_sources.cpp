@@ -205,6 +205,7 @@ TEST_F(TalusMapSources, have_switches_that_are_refused_where_nothing_is_imported
     const std::string name = std::string(option).substr(0, std::string(option).find(' '));
     EXPECT_TRUE(refused.says(name + ": is for scans of other programs")) << refused.err;
   }
+  EXPECT_TRUE(run("none --static --mount none=0,0,1,0,0,0").says("none: no such file"));
 }
 
 TEST_F(TalusMapSources, may_be_bags_of_which_one_topic_is_mapped)

@@ -169,7 +169,8 @@ TEST(TumFile, NamesTheLineThatHasTooFewOrTooManyNumbers)
 {
   expect_text_error("# c\n1 0 0 0 0 0 0 1\n2 0 0 0 0 0 1\n", {"poses.tum:3:", "7 words", "qw"});
   expect_text_error("1 0 0 0 0 0 0 1 9.5\n", {"poses.tum:1:", "9 words"});
-  expect_text_error("1 0 0 5 0 1 0 6 0 0 1 7\n", {"poses.tum:1:", "KITTI has no time", "TUM lines"});
+  expect_text_error(
+      "1 0 0 5 0 1 0 6 0 0 1 7\n", {"poses.tum:1:", "KITTI has no time", "TUM lines"});
 }
 
 TEST(TumFile, NamesTheWordThatIsNoNumber)
@@ -213,7 +214,8 @@ TEST(TumFile, SaysWhenThereIsNoPoseInIt)
 TEST(TumFile, MayHaveTheNumbersOfRtabMapsPoses)
 {
   const ScratchDir dir;
-  const auto t = load_text(dir, "#timestamp x y z qx qy qz qw id\n1 5 0 0 0 0 0 1 1\n2 6 0 0 0 0 0 1 2\n");
+  const auto t =
+      load_text(dir, "#timestamp x y z qx qy qz qw id\n1 5 0 0 0 0 0 1 1\n2 6 0 0 0 0 0 1 2\n");
   EXPECT_EQ(t.at(2, 1)->x(), 6);
 }
 
@@ -275,7 +277,8 @@ TEST(SimpleMapFile, SaysWhenItsPosesBelongToNoTime)
   const ScratchDir dir;
   two_keyframes(false).saveToFile(dir / "a.simplemap");
   expect_error(
-      [&] { Trajectory::load(dir / "a.simplemap"); }, {"a.simplemap", "2 key frames", "time stamp"});
+      [&] { Trajectory::load(dir / "a.simplemap"); },
+      {"a.simplemap", "2 key frames", "time stamp"});
 }
 
 TEST(SimpleMapFile, RefusesPosesThatAreNotFinite)
@@ -293,7 +296,9 @@ TEST(SimpleMapFile, SaysWhenItIsTextOrCutShort)
 {
   const ScratchDir dir;
   write_bytes(dir / "text.simplemap", "these are words, not a map\n");
-  expect_error([&] { Trajectory::load(dir / "text.simplemap"); }, {"text.simplemap", "nothing of MRPT begins"});
+  expect_error(
+      [&] { Trajectory::load(dir / "text.simplemap"); },
+      {"text.simplemap", "nothing of MRPT begins"});
 
   two_keyframes(true).saveToFile(dir / "a.simplemap");
   const auto bytes = read_bytes(dir / "a.simplemap");
@@ -303,8 +308,8 @@ TEST(SimpleMapFile, SaysWhenItIsTextOrCutShort)
 
 namespace
 {
-/** A key frame each second of a robot that turns to the left at 1 m/s, as MRPT from 2.11 on writes it, with twists or
- * without. */
+/** A key frame each second of a robot that turns to the left at 1 m/s, as MRPT from 2.11 on writes
+ * it, with twists or without. */
 std::string newer_simplemap(bool has_twist, const std::string& comment)
 {
   mrpt::io::CMemoryStream bytes;

@@ -28,8 +28,7 @@ struct Pose
   /** How the place changes with x, y and turn. */
   Eigen::Matrix<double, 2, 3> change(const Eigen::Vector2d& at_m) const
   {
-    const Eigen::Vector2d arm =
-        Eigen::Rotation2Dd(yaw_rad()) * (turned(at_m) - middle) / lever_m;
+    const Eigen::Vector2d arm = Eigen::Rotation2Dd(yaw_rad()) * (turned(at_m) - middle) / lever_m;
     Eigen::Matrix<double, 2, 3> j;
     j << 1, 0, -arm.y(), 0, 1, arm.x();
     return j;

@@ -22,11 +22,12 @@ constexpr double kMinGain = 0.01;
 constexpr double kHalfTurn = 3.14159265358979323846;
 constexpr double kMinStanding = 0.85;  //!< share that fits where a map lies right
 constexpr double kMinTurnGain = 0.1;  //!< of that share, by a turn
-/** A map is moved by whole pixels, without a turn, where it lies as well so but for this share of its score. */
+/** A map is moved by whole pixels, without a turn, where it lies as well so but for this share of
+ * its score. */
 constexpr double kSnapLoss = 0.01;
 
-/** Turned around the middle of what tells the position, that of what stands there, else of all ground; `turn_rad` around
- * the origin before. */
+/** Turned around the middle of what tells the position, that of what stands there, else of all
+ * ground; `turn_rad` around the origin before. */
 Pose first_pose(const Task& task, double turn_rad)
 {
   Pose pose;
@@ -166,7 +167,8 @@ Height height_at(const Task& task, const Pose& pose)
 
 namespace
 {
-/** Of what stands where the others have seen the ground around: how much stands there in them, too. */
+/** Of what stands where the others have seen the ground around: how much stands there in them, too.
+ */
 double standing_share(const Task& task, const Pose& pose)
 {
   constexpr double kAround_m = 0.3, kSame = 1.5;  // pixels

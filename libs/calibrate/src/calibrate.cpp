@@ -149,8 +149,8 @@ void Calibration::finish(Result& result)
   judge(result);
 }
 
-/** Throws std::runtime_error where the held-out frames lie much better on the ground if the sensor is turned by a quarter
- * or half: from a yaw so wrong the fit finds no way. */
+/** Throws std::runtime_error where the held-out frames lie much better on the ground if the sensor
+ * is turned by a quarter or half: from a yaw so wrong the fit finds no way. */
 void Calibration::require_heading(const Vector& estimate) const
 {
   for (const double turn_deg : {180, 90, -90})
@@ -187,19 +187,21 @@ void Calibration::judge(Result& result) const
         scans_.thinning().hold_out_every > 0 && result.held_out.after.points == 0;
     return;
   }
-  const Vector change = result.estimate - options_.given;
-  const auto is_significant = [&](int i)
-  { return std::abs(change[i]) >= kSignificant * result.sigma[i] && change[i] != 0; };
   if (loss(1))
+  {
     for (int i = 0; i < kParameters; ++i)
-      if (!is_significant(i)) result.estimate[i] = options_.given[i];
-  if (loss(1)) compare();
+      if (std::abs(result.estimate[i] - options_.given[i]) < kSignificant * result.sigma[i])
+        result.estimate[i] = options_.given[i];
+    compare();
+  }
   result.gains_nothing = loss(kWorse);
   const auto& [before, after] = result.held_out;
   const bool is_clear = after.thickness_m < kClearGain * before.thickness_m ||
                         after.p95_m < kClearGain * before.p95_m;
   bool is_changed = false;
-  for (int i = 0; i < kParameters; ++i) is_changed = is_changed || is_significant(i);
+  for (int i = 0; i < kParameters; ++i)
+    is_changed = is_changed || std::abs(result.estimate[i] - options_.given[i]) >
+                                   parameter_infos()[static_cast<std::size_t>(i)].useful_sigma;
   result.is_doubtful = is_changed && (!is_clear || after.p95_m > kWorse * before.p95_m);
 }
 

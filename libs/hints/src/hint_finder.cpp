@@ -205,7 +205,7 @@ void HintFinder::look_at_walls(const Frame& frame, std::size_t sensor, const Pos
   SensorFigures& s = figures_->sensors[sensor];
   // What the map deskews itself is told with the times of its points: these are judged there.
   const bool for_lag = frame.path.empty() && s.lag.wants(frame.stamp_s, T_map_base);
-  const bool for_axes = s.axes.wants(T_map_base);
+  const bool for_axes = s.axes.wants(frame.stamp_s, T_map_base);
   if (!for_lag && !for_axes) return;
   const Vec3 at = origin_of(frame.T_base_sensor.value_or(Pose{}));
   const NearPlane level;  // the base is on the ground

@@ -19,8 +19,8 @@ WallLine wall_line(const Facet& f, double x_m, double y_m, double heading_rad)
 {
   const double c = std::cos(heading_rad), s = std::sin(heading_rad);
   return {
-      x_m + c * f.x_m - s * f.y_m, y_m + s * f.x_m + c * f.y_m,
-      c * f.normal_x - s * f.normal_y, s * f.normal_x + c * f.normal_y};
+      x_m + c * f.x_m - s * f.y_m, y_m + s * f.x_m + c * f.y_m, c * f.normal_x - s * f.normal_y,
+      s * f.normal_x + c * f.normal_y};
 }
 
 void WallsApart::add(const std::vector<WallLine>& first, const std::vector<WallLine>& second)

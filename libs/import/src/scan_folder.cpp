@@ -42,7 +42,9 @@ const CPose3D kMountingOnKittisCar(0, 0, 1.73, 0, 0, 0);
 bool count_scans(
     const std::vector<io::Trajectory::Entry>& poses, const std::vector<double>& times_s)
 {
-  if (poses.size() != times_s.size() || poses.front().time_s != std::clamp(poses.front().time_s, 0.0, 1.0)) return false;
+  if (poses.size() != times_s.size() ||
+      poses.front().time_s != std::clamp(poses.front().time_s, 0.0, 1.0))
+    return false;
   for (std::size_t i = 1; i < poses.size(); ++i)
     if (poses[i].time_s != poses[i - 1].time_s + 1) return false;
   return times_s.front() > poses.back().time_s + 1;

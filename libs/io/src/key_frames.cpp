@@ -96,8 +96,8 @@ std::optional<KeyFrames::Twist> twist_told_by(const mrpt::obs::CSensoryFrame& fr
 CPose3D moved(const KeyFrames::Twist& twist, double time_s)
 {
   const double half_s = time_s / 2;
-  const auto half_turn = mrpt::poses::Lie::SE<3>::exp(KeyFrames::Twist(
-      {0.0, 0.0, 0.0, twist[3] * half_s, twist[4] * half_s, twist[5] * half_s}));
+  const auto half_turn = mrpt::poses::Lie::SE<3>::exp(
+      KeyFrames::Twist({0.0, 0.0, 0.0, twist[3] * half_s, twist[4] * half_s, twist[5] * half_s}));
   const CPose3D along(twist[0] * time_s, twist[1] * time_s, twist[2] * time_s, 0, 0, 0);
   return half_turn + along + half_turn;
 }

@@ -21,8 +21,8 @@ struct BadKeyFrame : std::runtime_error
   using std::runtime_error::runtime_error;
 };
 
-/** The key frames of a simplemap, read one at a time: what a log would have of them. Also of newer versions of MRPT, whose
- * key frames have a twist. */
+/** The key frames of a simplemap, read one at a time: what a log would have of them. Also of newer
+ * versions of MRPT, whose key frames have a twist. */
 class KeyFrames
 {
  public:
@@ -34,8 +34,9 @@ class KeyFrames
   /** Whether all has been read. */
   bool at_end() const { return objects_.empty() && !pending_ && read_ == count_; }
 
-  /** Robot poses at the stamps of a frame's observations, and, where it has a twist (of MRPT, or MOLA's velocity buffer),
-   * shortly before and after them; then the frame. There is one more. Throws BadKeyFrame, and what MRPT throws. */
+  /** Robot poses at the stamps of a frame's observations, and, where it has a twist (of MRPT, or
+   * MOLA's velocity buffer), shortly before and after them; then the frame. There is one more.
+   * Throws BadKeyFrame, and what MRPT throws. */
   mrpt::serialization::CSerializable::Ptr next();
 
   using Twist = mrpt::math::CVectorFixedDouble<6>;  //!< linear and angular, frame of the base

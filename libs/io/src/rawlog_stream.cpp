@@ -87,7 +87,9 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
   catch (const std::bad_alloc&)
   {
     verified_size(impl_->path);  // packed data that is damaged says so itself
-    fail("needs more memory than there is. Most likely the log is damaged there" + impl_->else_import());
+    fail(
+        "needs more memory than there is. Most likely the log is damaged there" +
+        impl_->else_import());
   }
   catch (const BadKeyFrame& e)
   {

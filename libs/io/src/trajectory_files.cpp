@@ -140,7 +140,9 @@ void require_one_pose_a_time(std::vector<TumLine> lines, const std::string& path
       fail_at_line(
           path, line,
           "another pose than line " + std::to_string(first_line) + " has at the same time",
-          "Delete one of them");
+          std::fmod(entry.time_s, 10) == 0
+              ? "The times have lost digits: write them with six decimals (1700000000.123456)"
+              : "Delete one of them");
   }
 }
 

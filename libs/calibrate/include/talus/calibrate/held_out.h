@@ -44,8 +44,8 @@ Vector solve(
     const ScanSet& scans, const PoseTrack& track, const Vector& start, const Choice& chosen,
     Association& a);
 
-/** For each of the chosen parameters: how far the estimates of the two halves of the frames lie apart, over what their
- * deviations allow; at least 1, and 1 for the others. */
+/** For each of the chosen parameters: how far the estimates of the two halves of the frames lie
+ * apart, over what their deviations allow; at least 1, and 1 for the others. */
 Vector disagreement_of_halves(
     const ScanSet& scans, const PoseTrack& track, const Vector& v, const Choice& chosen,
     const Association& a);
