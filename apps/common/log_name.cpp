@@ -15,7 +15,8 @@ std::string without_endings(const std::string& log)
   fs::path name = fs::path(log).filename();
   if (name.empty()) name = fs::path(log).parent_path().filename();
   name = io::without_packing(name.string());
-  return (name.extension() == ".rawlog" ? name.stem() : name).string();
+  const bool is_log = name.extension() == ".rawlog" || name.extension() == ".simplemap";
+  return (is_log ? name.stem() : name).string();
 }
 
 /** "." and ".." are folders, and what begins with a dot is hidden. */

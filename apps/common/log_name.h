@@ -3,9 +3,9 @@
 
 namespace talus::app
 {
-/** What the results of a log are called: its file name without folder, `.gz`, `.zst`, `.rawlog` and
- * leading dots, so that no name of a log makes a hidden folder or leads out of the one that was
- * given. "unnamed" when nothing is left. */
+/** What the results of a log are called: its file name without folder, `.gz`, `.zst`, `.rawlog`,
+ * `.simplemap` and leading dots, so that no name of a log makes a hidden folder or leads out of the
+ * one that was given. "unnamed" when nothing is left. */
 std::string name_of_log(const std::string& log);
 
 /** The same for a world, without the ending of its file. */

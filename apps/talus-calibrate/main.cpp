@@ -51,10 +51,23 @@ void warn_of_base_height(const AppOptions& o, const LoadedLog& log, Result& r)
   r.warnings.emplace_back(text);
 }
 
+std::string millimetres(double m) { return talus::fixed_text(1000 * m, 1) + " mm"; }
+
+/** What to say of a fit that does not pay. */
+std::string doubt(const Result& r)
+{
+  const auto &before = r.held_out.before, &after = r.held_out.after;
+  return "the fit is not recommended: the frames held out from it hardly lie better on the ground "
+         "than with the mounting as given (thickness " +
+         millimetres(before.thickness_m) + " -> " + millimetres(after.thickness_m) +
+         ", 95 % within " + millimetres(before.p95_m) + " -> " + millimetres(after.p95_m) +
+         "). Keep the mounting as given, or take a longer drive with bends to both sides and "
+         "slopes";
+}
+
 /** What to say of a fit that is not worth writing. */
 std::string refusal(const Result& r)
 {
-  const auto millimetres = [](double m) { return talus::fixed_text(1000 * m, 1) + " mm"; };
   const auto &before = r.held_out.before, &after = r.held_out.after;
   const std::string why =
       after.points == 0
@@ -92,6 +105,7 @@ void calibrate_log(const AppOptions& options, const std::string& folder)
         "the sensor is mounted upside down: its roll was looked for near " +
         talus::fixed_text(fit.given[kRoll] / parameter_infos()[kRoll].per_unit, 1) +
         " degrees, half a turn from what was given");
+  if (result.is_doubtful) result.warnings.push_back(doubt(result));
   warn_of_base_height(options, log, result);
   write_results(folder, options, log, result);
   bar.show(1, "done");

@@ -125,6 +125,7 @@ std::string mounting_text(const Result& r)
 std::string sensors_pose_ini(const LoadedLog& log, const Result& r)
 {
   std::string text = "# rawlog-edit --sensors-pose THIS -i LOG.rawlog -o FIXED.rawlog\n";
+  if (r.is_doubtful) text += "# NOT RECOMMENDED: see the warnings in calibration.json\n";
   text += "# metres and degrees\n[" + log.label + "]\nsensorLabel = " + log.label + "\n";
   for (const auto& [key, i] :
        {std::pair{"pose_x", kX},
@@ -156,6 +157,7 @@ std::string calibration_json(const AppOptions& options, const LoadedLog& log, co
         {"height_scatter_m", r.contact.height_m},
         {"slope_scatter", r.contact.slope}}},
       {"mount", mounting_text(r)},
+      {"recommended", !r.is_doubtful},
       {"parameters", parameters_json(r)},
       {"noise", noise_json(r.noise)},
       {"held_out",

@@ -43,6 +43,7 @@ std::string console_report(const AppOptions& options, const LoadedLog& log, cons
   text += mrpt::format(
       "  held-out ground thickness %.4f -> %.4f m, p95 %.4f -> %.4f m (%zu points)\n",
       before.thickness_m, after.thickness_m, before.p95_m, after.p95_m, after.points);
+  if (r.is_doubtful) return text + "  not recommended: see the warning\n";
   const std::string mount = mounting_text(r);
   return text + "  to paste: talus-calibrate --mount " + mount + ", talus-import --mount '" +
          log.label + "=" + mount + "'\n";

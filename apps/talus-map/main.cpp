@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -31,10 +32,11 @@ bool has_device(Settings& settings)
 }
 
 /** Whether switches of an import were given, and nothing is to be imported: they would be ignored.
- */
+ * What is missing says so itself. */
 bool has_idle_switches(const std::vector<Job>& jobs, const Options& options)
 {
-  const auto is_import = [](const Job& job) { return job.needs_import; };
+  const auto is_import = [](const Job& job)
+  { return job.needs_import || !std::filesystem::exists(job.log); };
   if (options.import_switches.empty() || std::any_of(jobs.begin(), jobs.end(), is_import))
     return false;
   print_error(

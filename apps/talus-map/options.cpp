@@ -91,7 +91,8 @@ void add_inputs(CLI::App& app, Options& o)
 {
   app.add_option(
          "LOG", o.logs,
-         "Rawlogs (plain, gz or zstd) or folders of them; folders or files of scans (KITTI, .bin, "
+         "Rawlogs (plain, gz or zstd) or folders of them; simplemaps; folders or files of scans "
+         "(KITTI, .bin, "
          ".pcd, .ply) and ROS 2 bags, each of which becomes a log first; several are a batch")
       ->required()
       ->check(not_empty())
@@ -99,8 +100,14 @@ void add_inputs(CLI::App& app, Options& o)
   auto* trajectory = add_text(
       app, "--trajectory", o.trajectory, "FILE",
       "Poses of the robot: TUM text (t x y z qx qy qz qw, base in map) or .simplemap");
-  app.add_flag("--static", o.robot_is_static, "The robot does not move; needs no poses")
-      ->excludes(trajectory);
+  auto* is_static =
+      app.add_flag("--static", o.robot_is_static, "The robot does not move; needs no poses")
+          ->excludes(trajectory);
+  app.add_flag(
+         "--level", o.is_levelled,
+         "Turn the map until the robot stands upright on average over its path: for poses of a "
+         "SLAM program whose map is tilted as the sensor was")
+      ->excludes(is_static);
   add_number(
       app, "--max-gap", o.max_gap_s, 0.0, 1e6, "S",
       "Scans between poses farther apart than this are skipped [s]");

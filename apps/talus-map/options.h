@@ -29,6 +29,7 @@ struct Options
   std::vector<std::string> logs;  //!< rawlogs, and folders, files and bags to import
   std::string trajectory;  //!< empty: beside the log, or within it; of an import, too
   bool robot_is_static = false;
+  bool is_levelled = false;  //!< --level
   double max_gap_s = 0.5;  //!< longest time between two poses that is interpolated
   std::string sensor;  //!< label, empty: every sensor
 

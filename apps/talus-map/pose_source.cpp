@@ -6,6 +6,7 @@
 
 #include <talus/io/rawlog_reader.h>
 #include <talus/mrpt/observation_points.h>
+#include <talus/number_text.h>
 
 #include <algorithm>
 #include <cmath>
@@ -42,6 +43,7 @@ PoseSource PoseSource::of_log(const SourceLog& log, const std::string& name, con
     source.take_imported(log, name);
   else
     source.take_logged(log, name, options);
+  if (options.is_levelled && !source.robot_is_static_) source.level();
   return source;
 }
 
@@ -88,6 +90,13 @@ void PoseSource::take_logged(const SourceLog& log, const std::string& name, cons
         ": holds no poses of the robot (robot poses, odometry or actions). Pass "
         "--trajectory FILE, put them into " +
         beside + ", or say --static if the robot did not move");
+}
+
+void PoseSource::level()
+{
+  double turned_rad = 0;
+  trajectory_ = trajectory_.levelled(turned_rad);
+  description_ += ", levelled by " + fixed_text(turned_rad * 180 / M_PI, 1) + " degrees";
 }
 
 std::optional<mrpt::poses::CPose3D> PoseSource::base_at(double stamp_s) const

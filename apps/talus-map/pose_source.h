@@ -36,6 +36,7 @@ class PoseSource
 
  private:
   void load(const std::string& path);
+  void level();
   void take_imported(const SourceLog& log, const std::string& name);
   void take_logged(const SourceLog& log, const std::string& name, const Options& options);
 

@@ -96,10 +96,25 @@ TEST_F(TalusCalibrate, FindsASensorThatIsMountedUpsideDown)
   expect_true_mounting(json);
 }
 
-TEST_F(TalusCalibrate, RefusesASensorOnItsSide)
+TEST_F(TalusCalibrate, RefusesASensorOnItsSideAndOneWhoseYawIsHalfATurnWrong)
 {
-  simulate(kWaves, kWay, kFewScans + "--mounting-error 0,0,0,0,0,90");
-  fails(kNear, 1, {"drive.rawlog: "});
+  for (const auto& [error, words] :
+       {std::pair{"0,0,0,0,0,90", "drive.rawlog: "},
+        std::pair{"0,0,0,180,0,0", "whose yaw is given 180 degrees wrong"}})
+  {
+    simulate(kWaves, kWay, kFewScans + "--mounting-error " + error);
+    fails(kNear, 1, {words});
+  }
+}
+
+TEST_F(TalusCalibrate, RecommendsNoFitThatTheHeldOutFramesHardlyLike)
+{
+  simulate(kWaves, kWay, kFewScans + "--mounting-error 0,0,0,20,0,0");
+  const auto done = calibrate(kNear);
+  ASSERT_EQ(done.code, 0) << done.text;
+  EXPECT_TRUE(done.says("the fit is not recommended")) << done.text;
+  EXPECT_FALSE(done.says("to paste")) << done.text;
+  EXPECT_EQ(nlohmann::json::parse(bytes_of(path("out/calibration.json")))["recommended"], false);
 }
 
 TEST_F(TalusCalibrate, WritesNoFitThatMakesTheHeldOutFramesWorse)

@@ -1,5 +1,9 @@
 // What poses and clocks do wrong is told by its name: no pitch, a late clock, scans that are sweeps
 // of a robot that turns fast.
+#include <talus/io/trajectory.h>
+
+#include <optional>
+
 #include "hint_scene.h"
 
 using namespace talus;
@@ -51,6 +55,87 @@ Scene room_with(const std::function<Place(double)>& robot)
   return scene;
 }
 }  // namespace
+
+TEST_F(TalusMapHintsOfPoses, whose_axes_are_mirrored_swapped_or_turned)
+{
+  Scene scene = room_with(
+      [](double t) -> Place {
+        return {10 * std::sin(t / 10), 10 * (1 - std::cos(t / 10)), t / 10};
+      });
+  scene.step_s = 0.2;
+  scene.duration_s = 8;
+  write_scene(scene);
+  EXPECT_EQ(causes(), kNone);
+  const auto poses = talus::io::Trajectory::load(path("drive.tum"));
+  struct Mistake
+  {
+    const char* text;
+    std::function<Place(const Place&)> of;
+  };
+  for (const Mistake& mistake :
+       {Mistake{
+            "y of the poses is mirrored",
+            [](const Place& p) -> Place {
+              return {p.x_m, -p.y_m, p.heading_rad};
+            }},
+        Mistake{
+            "y and yaw of the poses are mirrored",
+            [](const Place& p) -> Place {
+              return {p.x_m, -p.y_m, -p.heading_rad};
+            }},
+        Mistake{
+            "x and y of the poses are swapped",
+            [](const Place& p) -> Place {
+              return {p.y_m, p.x_m, p.heading_rad};
+            }},
+        Mistake{"turned by yaw 90 degrees", [](const Place& p) -> Place {
+                  return {p.x_m, p.y_m, p.heading_rad - M_PI / 2};
+                }}})
+  {
+    std::string tum;
+    for (const auto& [time_s, T] : poses.entries())
+    {
+      const Place p = mistake.of({T.x(), T.y(), T.yaw()});
+      tum += mrpt::format(
+          "%.6f %f %f 0 0 0 %f %f\n", time_s, p.x_m, p.y_m, std::sin(p.heading_rad / 2),
+          std::cos(p.heading_rad / 2));
+    }
+    write_bytes(path("drive.tum"), tum);
+    const Outcome done = run("drive.rawlog --no-site --output out");
+    EXPECT_EQ(causes_in(done.err), only("walls that are seen from different positions"));
+    EXPECT_TRUE(done.says(mistake.text)) << done.err;
+  }
+}
+
+TEST_F(TalusMapHintsOfPoses, of_a_robot_that_drives_sideways)
+{
+  Mistakes turned = mounting_off_by({});
+  const CPose3D quarter(0, 0, 0, M_PI / 2, 0, 0);
+  turned.mounting = [=](const CPose3D& T_base_sensor, const std::string&)
+  { return (-quarter) + T_base_sensor; };
+  turned.pose = [=](const CPose3D& T, double) { return T + quarter; };
+  write_drive(kOneSensor, turned);
+  EXPECT_EQ(causes(), only("drives sideways"));
+}
+
+TEST_F(TalusMapHintsOfPoses, in_the_frame_of_a_tilted_sensor_are_levelled)
+{
+  Mistakes tilted;
+  std::optional<CPose3D> first;
+  tilted.pose = [&](const CPose3D& T, double)
+  {
+    if (!first) first = T + CPose3D(0.1, 0, 0.9, 0, 12 * kDegree, 0);
+    return (-*first) + T;
+  };
+  write_drive(
+      "sensor: {scanner: RS-LiDAR-16, at_m: [0.1, 0, 0.9], roll_pitch_yaw_deg: [0, 12, 0]}\n",
+      tilted);
+  const Outcome leaning = run("drive.rawlog --no-site --output out");
+  EXPECT_TRUE(leaning.says("--level turns the map upright")) << leaning.err;
+  EXPECT_EQ(causes("--level"), kNone);
+  const std::string poses = summary("out")["poses"];
+  EXPECT_NE(poses.find("drive.tum, levelled by 1"), std::string::npos) << poses;
+}
 
 TEST_F(TalusMapHintsOfPoses, without_pitch_on_hills)
 {

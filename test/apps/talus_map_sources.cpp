@@ -1,4 +1,8 @@
 // talus-map of what is no rawlog: folders and files of scans, bags, folders of rawlogs.
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
+#include <talus/io/rawlog_reader.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -84,6 +88,31 @@ TEST_F(TalusMapSources, are_mapped_as_the_log_that_talus_import_makes_of_them)
   EXPECT_EQ(summary("one")["log"], "front");
 }
 
+TEST_F(TalusMapSources, may_be_the_key_frames_of_a_simplemap)
+{
+  const std::string demo = " '" TALUS_SOURCE_DIR "/datasets/worlds/demo.yaml' ";
+  const std::string simulate =
+      "cd '" + path("") + "' && '" + TALUS_SIM_EXE + "'" + demo + "--output . --frames 6 --quiet";
+  ASSERT_EQ(std::system(simulate.c_str()), 0);
+  const auto poses = talus::io::Trajectory::load(path("demo.tum"));
+  talus::io::RawlogReader log(path("demo.rawlog"));
+  mrpt::maps::CSimpleMap map;
+  while (const auto obs = log.next())
+  {
+    mrpt::poses::CPose3DPDFGaussian pose;
+    pose.mean = *poses.at(mrpt::Clock::toDouble(obs->timestamp), 0.5);
+    mrpt::obs::CSensoryFrame frame;
+    frame.insert(obs);
+    map.insert(pose, frame);
+  }
+  ASSERT_TRUE(map.saveToFile(path("drive.simplemap")));
+  ASSERT_EQ(run("demo.rawlog --quiet --output log").code, 0);
+  const Outcome done = run("drive.simplemap");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_TRUE(read_bytes(path("drive_map/site.tif")) == read_bytes(path("log/site.tif")));
+  EXPECT_EQ(summary("drive_map")["poses"], "key frames of the log");
+}
+
 TEST_F(TalusMapSources, leave_the_log_beside_the_map_where_it_is_asked_for)
 {
   write_scans("front", 4);
@@ -162,6 +191,7 @@ TEST_F(TalusMapSources, have_switches_that_are_refused_where_nothing_is_imported
     const std::string name = std::string(option).substr(0, std::string(option).find(' '));
     EXPECT_TRUE(refused.says(name + ": is for scans of other programs")) << refused.err;
   }
+  EXPECT_TRUE(run("none --static --mount none=0,0,1,0,0,0").says("none: no such file"));
 }
 
 TEST_F(TalusMapSources, may_be_bags_of_which_one_topic_is_mapped)

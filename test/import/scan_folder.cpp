@@ -300,6 +300,21 @@ TEST_F(ScanFolder, of_as_many_scans_as_poses_takes_their_times)
   EXPECT_NE(source->remarks().back().find("one at each of the poses"), std::string::npos);
 }
 
+TEST_F(ScanFolder, whose_poses_count_the_scans_takes_one_for_each)
+{
+  for (int i = 0; i < 3; ++i)
+    write("scans/170000000" + std::to_string(i) + ".500000.pcd", pcd_binary(scan_number(i)));
+  write("count.tum", "0.0 5 0 0 0 0 0 1\n1.0 6 0 0 0 0 0 1\n2.0 7 0 0 0 0 0 1\n");
+  SourceOptions options;
+  options.poses = dir_ / "count.tum";
+  const auto source = open("scans", options);
+  EXPECT_EQ(read(*source).size(), 3U);
+  const auto poses = source->poses();
+  ASSERT_EQ(poses.entries().size(), 3U);
+  EXPECT_EQ(poses.entries()[2].time_s, 1700000002.5);
+  EXPECT_EQ(poses.entries()[2].T_map_base.x(), 7);
+}
+
 TEST_F(ScanFolder, leaves_out_times_of_points_that_make_no_sense)
 {
   Points p = scan_number(0);

@@ -1,5 +1,8 @@
+#include <mrpt/io/CMemoryStream.h>
 #include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <talus/io/trajectory.h>
 
@@ -141,7 +144,8 @@ TEST(TumFile, NamesTheLineTheWordAndWhatIsWrong)
   const std::string good = "1 0 0 0 0 0 0 1\n";
   for (const auto& [text, words] : std::vector<std::pair<std::string, Words>>{
            {"# c\n" + good + "2 0 0 0 0 0 1\n", {"poses.tum:3:", "7 words", "qw"}},
-           {"1 0 0 0 0 0 0 1 9\n", {"poses.tum:1:", "9 words"}},
+           {"1 0 0 0 0 0 0 1 9.5\n", {"poses.tum:1:", "9 words"}},
+           {"1 0 0 5 0 1 0 6 0 0 1 7\n", {"poses.tum:1:", "KITTI has no time", "TUM lines"}},
            {good + "2 0 zero 0 0 0 0 1\n", {"poses.tum:2:", "'zero'", "number"}},
            {"1 0 0 0 0 0 0 1x\n", {"poses.tum:1:", "'1x'"}},
            {"1,0,0,0,0,0,0,1 2 3 4 5 6 7 8\n", {"poses.tum:1:", "'1,0,0,0"}},
@@ -172,6 +176,14 @@ TEST(TumFile, NormalisesQuaternionsThatWereRounded)
   const ScratchDir dir;
   const auto t = load_text(dir, "1 0 0 0 0 0 0.71 0.71\n");
   EXPECT_NEAR(t.entries()[0].T_map_base.yaw(), 90 * kDegree, 1e-9);
+}
+
+TEST(TumFile, MayHaveTheNumbersOfRtabMapsPoses)
+{
+  const ScratchDir dir;
+  const auto t =
+      load_text(dir, "#timestamp x y z qx qy qz qw id\n1 5 0 0 0 0 0 1 1\n2 6 0 0 0 0 0 1 2\n");
+  EXPECT_EQ(t.at(2, 1)->x(), 6);
 }
 
 namespace
@@ -218,7 +230,8 @@ TEST(SimpleMapFile, SaysWhenItsPosesBelongToNoTime)
   const ScratchDir dir;
   two_keyframes(false).saveToFile(dir / "a.simplemap");
   expect_error(
-      [&] { Trajectory::load(dir / "a.simplemap"); }, {"a.simplemap", "2 keyframes", "time stamp"});
+      [&] { Trajectory::load(dir / "a.simplemap"); },
+      {"a.simplemap", "2 key frames", "time stamp"});
 }
 
 TEST(SimpleMapFile, RefusesPosesThatAreNotFinite)
@@ -229,19 +242,71 @@ TEST(SimpleMapFile, RefusesPosesThatAreNotFinite)
   map.saveToFile(dir / "a.simplemap");
   expect_error(
       [&] { Trajectory::load(dir / "a.simplemap"); },
-      {"a.simplemap", "keyframe 3 of 3", "not finite"});
+      {"a.simplemap", "key frame 3 of 3", "not finite"});
 }
 
 TEST(SimpleMapFile, SaysWhenItIsTextOrCutShort)
 {
   const ScratchDir dir;
   write_bytes(dir / "text.simplemap", "these are words, not a map\n");
-  expect_error([&] { Trajectory::load(dir / "text.simplemap"); }, {"text.simplemap", "not a simp"});
+  expect_error(
+      [&] { Trajectory::load(dir / "text.simplemap"); },
+      {"text.simplemap", "nothing of MRPT begins"});
 
   two_keyframes(true).saveToFile(dir / "a.simplemap");
   const auto bytes = read_bytes(dir / "a.simplemap");
   write_bytes(dir / "cut.simplemap", bytes.substr(0, bytes.size() / 2));
   expect_error([&] { Trajectory::load(dir / "cut.simplemap"); }, {"cut.simplemap", "cut short"});
+}
+
+namespace
+{
+/** A key frame each second of a robot that turns to the left at 1 m/s, as MRPT from 2.11 on writes
+ * it, with twists or without. */
+std::string newer_simplemap(bool has_twist, const std::string& comment)
+{
+  mrpt::io::CMemoryStream bytes;
+  auto out = mrpt::serialization::archiveFrom(bytes);
+  const std::string name = "mrpt::maps::CSimpleMap";
+  out << static_cast<std::uint8_t>(name.size() | 0x80);
+  out.WriteBuffer(name.data(), name.size());
+  out << std::uint8_t{2} << std::uint32_t{2};
+  for (int i = 0; i < 2; ++i)
+  {
+    mrpt::obs::CSensoryFrame frame;
+    const auto text = observation_at<mrpt::obs::CObservationComment>(50 + i);
+    text->text = comment;
+    for (const mrpt::obs::CObservation::Ptr& obs : Observations{
+             observation_at<mrpt::obs::CObservationOdometry>(49.95 + i), text,
+             observation_at<mrpt::obs::CObservationPointCloud>(50 + i)})
+      frame.insert(obs);
+    out << mrpt::poses::CPose3DPDFGaussian(pose(std::sin(i), 1 - std::cos(i), 0, i / kDegree));
+    out << frame << std::string("std::optional") << std::string("TTwist3D") << has_twist;
+    if (has_twist) out << 1.0 << 0.0 << 0.0 << 0.0 << 0.0 << 1.0;
+  }
+  out << std::uint8_t{0x88};
+  return {static_cast<const char*>(bytes.getRawBufferData()), bytes.getTotalBytesCount()};
+}
+}  // namespace
+
+TEST(SimpleMapFile, SaysByItsTwistsOrVelocitiesWhereTheRobotWasDuringAScan)
+{
+  const ScratchDir dir;
+  const std::string buffer =
+      "local_velocity_buffer:\n  state:\n    linear_velocities:\n      -0.09: \"'[7 0 0]'\"\n"
+      "      0.01: \"'[1 0 0]'\"\n    angular_velocities:\n      0.002: \"'[0 0 1]'\"\n";
+  write_bytes(dir / "twist.simplemap", newer_simplemap(true, ""));
+  write_bytes(dir / "buffer.simplemap", newer_simplemap(false, buffer));
+  for (const char* name : {"twist.simplemap", "buffer.simplemap"})
+    for (const double t : {0.0, 0.1, 0.8, 0.95, 1.2})
+    {
+      const auto p = Trajectory::load(dir / name).at(50 + t, 0.15);
+      ASSERT_TRUE(p) << name << " " << t;
+      EXPECT_NEAR(p->x(), std::sin(t), 0.002) << name << " " << t;
+      EXPECT_NEAR(p->yaw(), t, 1e-6) << name << " " << t;
+    }
+  write_bytes(dir / "none.simplemap", newer_simplemap(false, "anything: else"));
+  EXPECT_FALSE(Trajectory::load(dir / "none.simplemap").at(50.1, 0.15));
 }
 
 TEST(SimpleMapFile, ReadsTheOneThatComesWithMrpt)

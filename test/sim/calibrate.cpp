@@ -36,7 +36,7 @@ struct WrongLog
 
 WrongLog wrong_log(
     const std::string& ground, const std::string& path, double roll_deg, double pitch_deg,
-    double z_m, double clock_s, int frames)
+    double z_m, double clock_s, int frames, double late_nod_deg = 0)
 {
   const auto world = sim::parse_world(
       "ground:\n" + ground + "robot: {path_m: " + path +
@@ -58,7 +58,9 @@ WrongLog wrong_log(
       truth, given, PoseTrack(io::Trajectory(poses), 0.5), ScanSet(Thinning{}, pose_of(given), 0)};
   for (int i = 0; i < drive.frames(); ++i)
   {
-    const auto s = drive.scan(i);
+    auto s = drive.scan(i);
+    const auto nod = static_cast<float>(i >= frames / 2 ? late_nod_deg * kDegree : 0);
+    for (std::size_t k = 0; k < s.size(); ++k) s.z_m[k] -= nod * s.x_m[k];
     log.scans.add(
         drive.time_s(i) + clock_s, s.x_m.data(), s.y_m.data(), s.z_m.data(), nullptr, s.size());
   }
@@ -192,6 +194,13 @@ TEST(Calibrate, NamesWhatAStraightDriveOnAFloorDoesNotTell)
   }
   EXPECT_NEAR(r.estimate[kPitch], log.truth[kPitch], 0.05 * kDegree);
   EXPECT_NEAR(r.estimate[kZ], log.truth[kZ], 0.005);
+}
+
+TEST(Calibrate, HalvesThatDisagreeWidenTheDeviations)
+{
+  const WrongLog log = wrong_log(kSwells, "[[0, 0], [4, 1.5], [8, -1]]", 0, 0, 0, 0, 50, 1);
+  const Result r = calibrate::calibrate(log.scans, log.track, options_of(log));
+  EXPECT_GT(r.sigma[kPitch], 0.2 * kDegree) << "one half is pitched by a degree";
 }
 
 TEST(Calibrate, WithoutContactTheHeightOverAFloorIsNotObservable)

@@ -67,6 +67,8 @@ inline const std::set<std::string>& all_causes()
       "begin in the ground",
       "two grounds",
       "mounting contradicts",
+      "walls that are seen from different positions",
+      "drives sideways",
       "the poses jump",
       "contradict each other",
       "min_height_m =",

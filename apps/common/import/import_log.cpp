@@ -78,8 +78,7 @@ void require_poses_in_time(const ImportedLog& log)
       poses.source + ": its poses are of " + span(poses.first_s, poses.last_s) + ", the scans of " +
       span(log.first_s, log.last_s) +
       ". Give both the same clock: of a bag, --recorded-times takes the times at which its scans "
-      "were recorded; for a folder of scans, put a times.txt (seconds, a line a scan) into it, or "
-      "pass as many poses as there are scans.");
+      "were recorded; for a folder of scans, put a times.txt (seconds, a line a scan) into it.");
 }
 
 /** `is_again`: bytes should have meant what `notes` then says. */

@@ -63,10 +63,14 @@ WrittenPoses write_poses(
     const auto trajectory = app::guarded(
         poses, app::kCompareWithSource, [&] { return io::Trajectory::load(poses); },
         app::memory_for_log(poses));
+    std::string ignored;
+    const auto placed = sources.poses(ignored);  // at other times where the file counts scans
+    const bool is_counted =
+        !placed.empty() && placed.entries().front().time_s != trajectory.entries().front().time_s;
     io::write_file(
-        tum, is_simplemap(poses) ? text_of(trajectory)
-                                 : read_input_file(poses, "trajectory", kMax_bytes));
-    return measured(trajectory, poses);
+        tum, is_counted || is_simplemap(poses) ? text_of(is_counted ? placed : trajectory)
+                                               : read_input_file(poses, "trajectory", kMax_bytes));
+    return measured(is_counted ? placed : trajectory, poses);
   }
   std::string source;
   const auto trajectory = sources.poses(source);

@@ -112,7 +112,7 @@ MapShift rounded(Pose pose, const Box& box, double cell_m)
   if (std::abs(pose.yaw_rad()) * reach_m / 2 < kMinCells * cell_m) pose.v[2] = 0;
   if (std::abs(pose.v[3]) < kMinHeight_m) pose.v[3] = 0;
   MapShift shift = pose.shift();
-  if (shift.yaw_rad != 0) return shift;
+  if (pose.v[2] != 0) return shift;
   shift.x_m = std::round(shift.x_m / cell_m) * cell_m;
   shift.y_m = std::round(shift.y_m / cell_m) * cell_m;
   return shift;

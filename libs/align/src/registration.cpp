@@ -19,20 +19,32 @@ constexpr int kMaxTries = 3;
  * little but its edges and what has moved, some place always looks a little better. */
 constexpr double kMinGain = 0.01;
 
-/** Turned around the middle of what tells the place: what stands there, else of all ground. */
-Pose first_pose(const Task& task)
+constexpr double kHalfTurn = 3.14159265358979323846;
+constexpr double kMinStanding = 0.85;  //!< share that fits where a map lies right
+constexpr double kMinTurnGain = 0.1;  //!< of that share, by a turn
+/** A map is moved by whole pixels, without a turn, where it lies as well so but for this share of
+ * its score. */
+constexpr double kSnapLoss = 0.01;
+
+/** Turned around the middle of what tells the position, that of what stands there, else of all
+ * ground; `turn_rad` around the origin before. */
+Pose first_pose(const Task& task, double turn_rad)
 {
   Pose pose;
+  pose.turn_rad = turn_rad;
   std::vector<Eigen::Vector2d> places;
   for (const StandingSample& s : task.samples.standing)
-    if (task.reference.distance_m(s.at_m).value < kReach_m) places.push_back(s.at_m);
+    if (task.reference.distance_m(pose.place(s.at_m)).value < kReach_m)
+      places.push_back(pose.turned(s.at_m));
   if (static_cast<double>(places.size()) < kMinInformation)
   {
     places.clear();
-    for (const GroundSample& s : task.samples.ground) places.push_back(s.at_m);
+    for (const GroundSample& s : task.samples.ground) places.push_back(pose.turned(s.at_m));
   }
   const double count = std::max<double>(1, static_cast<double>(places.size()));
-  for (const Eigen::Vector2d& at_m : places) pose.middle += at_m / count;
+  Eigen::Vector2d middle(0, 0);
+  for (const Eigen::Vector2d& at_m : places) middle += at_m / count;
+  pose.middle = middle;
   double square_m2 = 0;
   for (const Eigen::Vector2d& at_m : places)
     square_m2 += (at_m - pose.middle).squaredNorm() / count;
@@ -48,7 +60,7 @@ Eigen::Matrix3d information(const Task& task, const Pose& pose)
   {
     if (!(task.reference.distance_m(pose.place(s.at_m)).value < kReach_m)) continue;
     const Eigen::Matrix<double, 2, 3> j = pose.change(s.at_m);
-    const Eigen::RowVector3d across = s.normal.transpose() * j;
+    const Eigen::RowVector3d across = pose.turned(s.normal).transpose() * j;
     told += s.is_line ? Eigen::Matrix3d(across.transpose() * across)
                       : Eigen::Matrix3d(j.transpose() * j);
   }
@@ -153,9 +165,59 @@ Height height_at(const Task& task, const Pose& pose)
   return {*middle, raises_m.size()};
 }
 
-Registration registered(const Task& task)
+namespace
 {
-  const Pose start = first_pose(task);
+/** Of what stands where the others have seen the ground around: how much stands there in them, too.
+ */
+double standing_share(const Task& task, const Pose& pose)
+{
+  constexpr double kAround_m = 0.3, kSame = 1.5;  // pixels
+  double count = 0, same = 0;
+  for (const StandingSample& s : task.samples.standing)
+  {
+    const Eigen::Vector2d at_m = pose.place(s.at_m);
+    int seen = 0;
+    for (const double x : {-kAround_m, kAround_m})
+      for (const double y : {-kAround_m, kAround_m})
+        seen += !std::isnan(task.reference.ground_as_measured(at_m + Eigen::Vector2d(x, y)));
+    if (seen < 2) continue;
+    const double off_m = task.reference.distance_m(at_m).value - s.distance_m;
+    ++count;
+    same += std::abs(off_m) < kSame * task.pixel_m;
+  }
+  return count < kMinInformation ? 1 : same / count;
+}
+
+/** The whole pixels around, without a turn, that fit best; `found` where that is clearly better. */
+Pose snapped(const Task& task, const Pose& found, const Directions& untold)
+{
+  const double sigma_m = task.pixel_m / 2;
+  Pose best = found;
+  double most = (1 - kSnapLoss) * score(task, found, sigma_m, kSigmaZ_m);
+  for (int i = 0; i < 9; ++i)
+  {
+    const Eigen::Vector2d by_m = task.pixel_m * Eigen::Vector2d(i % 3 - 1, i / 3 - 1);
+    if (std::any_of(
+            untold.begin(), untold.end(),
+            [&](const auto& d) { return std::abs(by_m.dot(d.template head<2>())) > 1e-9; }))
+      continue;
+    Pose pose = found;
+    pose.v[2] = 0;
+    const Eigen::Vector2d shift_m = pose.place({0, 0});
+    const Eigen::Vector2d whole_m = (shift_m / task.pixel_m).array().round() * task.pixel_m;
+    pose.v.head<2>() += whole_m + by_m - shift_m;
+    pose.v[3] = height_at(task, pose).median_m;
+    if (const double s = score(task, pose, sigma_m, kSigmaZ_m); s > most)
+    {
+      most = s;
+      best = pose;
+    }
+  }
+  return best;
+}
+
+Registration registered_from(const Task& task, const Pose& start)
+{
   Registration r{start, {}, height_at(task, start).count >= kMinGround};
   if (!r.overlaps) return r;
   Directions told;
@@ -170,8 +232,26 @@ Registration registered(const Task& task)
     r.untold.insert(r.untold.end(), loose, told.end());
     told.erase(loose, told.end());
   }
-  r.pose = clearly_better(task, start, r.pose);
+  r.pose = snapped(task, clearly_better(task, start, r.pose), r.untold);
   return r;
+}
+}  // namespace
+
+/** Drives that began the other way round lie half a turn apart, or a quarter. */
+Registration registered(const Task& task)
+{
+  Registration best = registered_from(task, first_pose(task, 0));
+  double share = best.overlaps ? standing_share(task, best.pose) : 0;
+  if (share > kMinStanding) return best;
+  for (const double turn_rad : {kHalfTurn, kHalfTurn / 2, -kHalfTurn / 2})
+  {
+    const Registration r = registered_from(task, first_pose(task, turn_rad));
+    const double its_share = r.overlaps && r.untold.empty() ? standing_share(task, r.pose) : 0;
+    if (its_share < std::max(kMinStanding, share + kMinTurnGain)) continue;
+    best = r;
+    share = its_share;
+  }
+  return best;
 }
 
 }  // namespace talus::align

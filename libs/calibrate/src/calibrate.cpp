@@ -16,6 +16,8 @@ constexpr int kMaxRounds = 6, kMinRounds = 3;
 constexpr double kSettled = 0.3;  // a change of so many deviations is none
 constexpr double kWorse = 1.005;  // thickness: more is worse, less is chance
 constexpr double kSignificant = 3;  // deviations
+constexpr double kClearGain = 0.95;  // of the thickness, or of the 95 %, of the held-out ground
+constexpr double kMuchThinner = 0.7;  // where the sensor is turned
 
 /** The rounds of association, solution and noise fit. */
 class Calibration
@@ -36,6 +38,7 @@ class Calibration
   void keep_the_rest();
   void finish(Result& result);
   void judge(Result& result) const;
+  void require_heading(const Vector& estimate) const;
 
   const ScanSet& scans_;
   const PoseTrack& track_;
@@ -126,7 +129,9 @@ void Calibration::finish(Result& result)
   result.given = options_.given;
   result.estimate = v_;
   result.observable = chosen_;
-  result.covariance = covariance_of(information_, chosen_);
+  const Vector wider = disagreement_of_halves(scans_, track_, v_, chosen_, association_);
+  result.covariance =
+      wider.asDiagonal() * covariance_of(information_, chosen_) * wider.asDiagonal();
   result.sigma = result.covariance.diagonal().cwiseMax(0).cwiseSqrt();
   result.noise = fit_;
   result.contact = association_.scatter;
@@ -144,6 +149,25 @@ void Calibration::finish(Result& result)
   judge(result);
 }
 
+/** Throws std::runtime_error where the held-out frames lie much better on the ground if the sensor
+ * is turned by a quarter or half: from a yaw so wrong the fit finds no way. */
+void Calibration::require_heading(const Vector& estimate) const
+{
+  for (const double turn_deg : {180, 90, -90})
+  {
+    Vector turned = estimate;
+    turned[kYaw] += turn_deg * parameter_infos()[kYaw].per_unit;
+    const auto [as_fitted, as_turned] = held_out_figures(scans_, track_, estimate, turned);
+    if (as_turned.points > 0 && as_turned.thickness_m < kMuchThinner * as_fitted.thickness_m)
+      throw std::runtime_error(
+          "seems to be of a sensor whose yaw is given " + fixed_text(turn_deg, 0) +
+          " degrees wrong: the ground that the held-out frames see is " +
+          fixed_text(1000 * as_fitted.thickness_m, 0) + " mm thick as fitted, and " +
+          fixed_text(1000 * as_turned.thickness_m, 0) +
+          " mm with the sensor turned by that. Give its yaw to about 20 degrees (--mount)");
+  }
+}
+
 /** What the held-out frames say of the estimate. Where they show no gain, changes within chance are
  * not made. */
 void Calibration::judge(Result& result) const
@@ -152,6 +176,7 @@ void Calibration::judge(Result& result) const
   { result.held_out = held_out_figures(scans_, track_, options_.given, result.estimate); };
   const auto loss = [&](double factor)
   { return result.held_out.after.thickness_m > factor * result.held_out.before.thickness_m; };
+  require_heading(result.estimate);
   compare();
   if (result.held_out.before.points == 0)
   {
@@ -162,12 +187,22 @@ void Calibration::judge(Result& result) const
         scans_.thinning().hold_out_every > 0 && result.held_out.after.points == 0;
     return;
   }
-  if (!loss(1)) return;
-  for (int i = 0; i < kParameters; ++i)
-    if (std::abs(result.estimate[i] - options_.given[i]) < kSignificant * result.sigma[i])
-      result.estimate[i] = options_.given[i];
-  compare();
+  if (loss(1))
+  {
+    for (int i = 0; i < kParameters; ++i)
+      if (std::abs(result.estimate[i] - options_.given[i]) < kSignificant * result.sigma[i])
+        result.estimate[i] = options_.given[i];
+    compare();
+  }
   result.gains_nothing = loss(kWorse);
+  const auto& [before, after] = result.held_out;
+  const bool is_clear = after.thickness_m < kClearGain * before.thickness_m ||
+                        after.p95_m < kClearGain * before.p95_m;
+  bool is_changed = false;
+  for (int i = 0; i < kParameters; ++i)
+    is_changed = is_changed || std::abs(result.estimate[i] - options_.given[i]) >
+                                   parameter_infos()[static_cast<std::size_t>(i)].useful_sigma;
+  result.is_doubtful = is_changed && (!is_clear || after.p95_m > kWorse * before.p95_m);
 }
 
 Result Calibration::run()

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "axes_watch.h"
 #include "body_watch.h"
 #include "contradiction_watch.h"
 #include "lag_watch.h"
@@ -55,6 +56,8 @@ struct SensorFigures
   Values steep_rad;  //!< lean of the plane of frames where only one leans more than ground does
   BodyWatch body;
   LagWatch lag;
+  AxesWatch axes;
+  double mount_tilt_rad = 0, first_tilt_rad = 0;  //!< of its z axis, against those of base and map
 
   /** The median plane; level and at the base where no frame shows one. */
   NearPlane ground() const;

@@ -25,6 +25,8 @@ bool is_identity(const Pose& T)
   return T.m == none.m;
 }
 
+double tilt_rad(const Pose& T) { return std::acos(std::clamp(T.m[10], -1.0, 1.0)); }
+
 /** A ceiling as high above the sensor as the ground should be below it is no ceiling. */
 void note_plane(SensorFigures& s, const std::vector<Vec3>& points, const NearPlane& lowest)
 {
@@ -141,8 +143,12 @@ void HintFinder::add(const Frame& frame, const std::string& sensor, const FrameR
   f.level.add(T_map_base);
   const std::size_t number = number_of(sensor);
   SensorFigures& s = f.sensors[number];
-  // What the map deskews itself is told with the times of its points: these are judged there.
-  if (frame.path.empty() && s.lag.wants(frame.stamp_s, T_map_base)) look_at_walls(frame, number);
+  if (s.frames == 0)
+  {
+    s.mount_tilt_rad = tilt_rad(frame.T_base_sensor.value_or(Pose{}));
+    s.first_tilt_rad = tilt_rad(frame.T_map_sensor);
+  }
+  look_at_walls(frame, number, T_map_base);
   const bool due = is_due(s.frames++);
   if (due || effort_ == Effort::Much) look_at(frame, number);
 }
@@ -194,14 +200,19 @@ void HintFinder::look_at(const Frame& frame, std::size_t sensor)
   }
 }
 
-void HintFinder::look_at_walls(const Frame& frame, std::size_t sensor)
+void HintFinder::look_at_walls(const Frame& frame, std::size_t sensor, const Pose& T_map_base)
 {
   SensorFigures& s = figures_->sensors[sensor];
+  // What the map deskews itself is told with the times of its points: these are judged there.
+  const bool for_lag = frame.path.empty() && s.lag.wants(frame.stamp_s, T_map_base);
+  const bool for_axes = s.axes.wants(frame.stamp_s, T_map_base);
+  if (!for_lag && !for_axes) return;
   const Vec3 at = origin_of(frame.T_base_sensor.value_or(Pose{}));
   const NearPlane level;  // the base is on the ground
   sample_in_base(frame, parameters_, kWallPoints, s.frames, scratch_->points);
-  s.lag.add(facets_of(
-      scratch_->points, level, at, pose_of_base(frame.T_map_sensor, frame.T_base_sensor), kFacets));
+  const auto facets = facets_of(scratch_->points, level, at, T_map_base, kFacets);
+  if (for_lag) s.lag.add(facets);
+  if (for_axes) s.axes.add(facets);
 }
 
 void HintFinder::watch_body(

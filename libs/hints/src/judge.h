@@ -20,6 +20,8 @@ std::optional<HighestRay> highest_ray(const Figures& f);
 
 /// @name One cause each; nothing where it is not certain
 /// @{
+std::optional<Hint> wrong_axes(const Figures& f);
+std::optional<Hint> sideways(const Figures& f);
 std::optional<Hint> pose_jumps(const Figures& f);
 std::optional<Hint> upside_down(const Figures& f);
 std::optional<Hint> tilted_ground(const Figures& f);

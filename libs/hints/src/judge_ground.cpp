@@ -48,6 +48,16 @@ bool is_wrong_tilt(const SensorFigures& s)
          s.lean_in_map_rad.median() > kWrong_rad;
 }
 
+/** The map leans as the sensor is mounted: its frame is that of the sensor's first pose. */
+bool is_in_frame_of_sensor(const SensorFigures& s)
+{
+  constexpr double kDegree = M_PI / 180;
+  return s.mount_tilt_rad > kMinTiltedFrame_deg * kDegree &&
+         s.first_tilt_rad < kBeginsLevel_deg * kDegree &&
+         s.lean_in_map_rad.median() > kTiltedFrame * s.mount_tilt_rad &&
+         lean_rad(s.ground()) < s.lean_in_map_rad.median() / 2;
+}
+
 /** As high above the sensor as the ground should be below it. */
 bool is_mirrored(const SensorFigures& s)
 {
@@ -112,12 +122,19 @@ std::optional<Hint> tilted_ground(const Figures& f)
               ": the rotation of sensorPose is wrong (yaw pitch roll; x ahead, z up): see "
               "rawlog-edit --sensors-pose"};
     const double in_map_rad = s.lean_in_map_rad.median();
+    if (!only_steep && is_in_frame_of_sensor(s))
+      return Hint{
+          Kind::TiltedGround, "the ground" + of_sensor(f, s) + " is tilted in the map by " +
+                                  degrees(in_map_rad) + ", as the sensor is on the base (" +
+                                  degrees(s.mount_tilt_rad) +
+                                  "): the poses are in the frame that the sensor had at the "
+                                  "beginning: --level turns the map upright"};
     if (!only_steep && in_map_rad > kTilted_rad)
       return Hint{
           Kind::TiltedGround,
           "the ground is tilted in the map by " + degrees(in_map_rad) +
               ": check the order of the quaternion (a TUM line is t x y z qx qy qz qw) and that "
-              "the map's z points up"};
+              "the map's z points up; --level turns a map that is only tilted"};
   }
   return {};
 }

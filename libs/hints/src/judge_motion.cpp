@@ -41,6 +41,45 @@ std::optional<Hint> wrong_times_of(const SensorFigures& s)
 }
 }  // namespace
 
+std::optional<Hint> wrong_axes(const Figures& f)
+{
+  for (const SensorFigures& s : f.sensors)
+  {
+    if (s.axes.speed_mps() > kFastest_mps)
+      return Hint{
+          Kind::WrongAxes, "the robot drives at " + fixed_text(s.axes.speed_mps(), 0) +
+                               " m/s: are the positions of the poses in millimetres or "
+                               "centimetres? They are read as metres"};
+    if (s.axes.apart_standing_m() > kMinMovedWalls_m)
+      return Hint{
+          Kind::WrongAxes,
+          "the robot stands still by its poses, and walls move in the scans, by " +
+              metres(s.axes.apart_standing_m()) +
+              " on average: are these the poses of this log, in metres? Pass those of the drive "
+              "(--trajectory), not --static"};
+    if (const auto fit = s.axes.better_axes())
+      return Hint{
+          Kind::WrongAxes, "walls that are seen from different positions lie " +
+                               metres(fit->given_m) + " apart, and " + metres(fit->best_m) +
+                               " if " + fit->change +
+                               ": check the columns, the unit and the frame of the trajectory, "
+                               "and the yaw of sensorPose (--mount)"};
+  }
+  return {};
+}
+
+std::optional<Hint> sideways(const Figures& f)
+{
+  for (const SensorFigures& s : f.sensors)
+    if (const auto angle = s.axes.sideways_rad();
+        angle && std::abs(*angle) > kMinSideways_deg * M_PI / 180)
+      return Hint{
+          Kind::Sideways, "the robot drives sideways to its heading, at " + degrees(*angle) +
+                              " to the x axis of the base: unless it can, the yaw of a mounting "
+                              "(--mount) or of the poses is off by that, or x and y are swapped"};
+  return {};
+}
+
 std::optional<Hint> pose_jumps(const Figures& f)
 {
   const PoseWatch& p = f.poses;

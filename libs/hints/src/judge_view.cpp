@@ -147,6 +147,8 @@ std::vector<Hint> judge(const Figures& f, const Parameters& p, double known_shar
   if (take(upside_down(f)) || take(tilted_ground(f)) || take(sensor_in_ground(f)) ||
       take(two_grounds(f)) || take(wrong_mounting(f)))
     return hints;
+  if (!take(wrong_axes(f))) take(sideways(f));
+  if (!hints.empty()) return hints;
   if (!take(pose_jumps(f)) && !take(level_poses(f)) && !take(wrong_times(f)))
     take(contradiction(f));
   const std::size_t frames_wrong = hints.size();

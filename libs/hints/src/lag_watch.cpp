@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "thresholds.h"
 
@@ -14,9 +13,6 @@ constexpr std::size_t kMaxPlaces = 100000;
 constexpr std::size_t kMaxTurningFrames = 12, kMaxTurnFrames = 4, kMaxCalmFrames = 6;  // frames
 constexpr std::size_t kPartners = 3;  // of each frame
 constexpr double kPartnerReach_m = 4, kPartnerTime_s = 20;
-constexpr double kSameWay = 0.9;  // cosine between the normals of two pieces of one wall
-constexpr double kAlong_m = 0.6;  // from the middle of one to that of the other
-constexpr double kMaxApart_m = 0.3;  // what is farther apart counts as that
 constexpr double kMaxLate_s = 0.4, kLateStep_s = 0.1;
 constexpr double kGap_s = 0.5;  // of a turn rate
 
@@ -80,9 +76,9 @@ LagWatch::Place LagWatch::place_at(double stamp_s) const
       stamp_s, between(a.x_m, b.x_m), between(a.y_m, b.y_m), between(a.heading_rad, b.heading_rad)};
 }
 
-std::vector<LagWatch::Line> LagWatch::lines_of(const Kept& kept, const Lag& lag) const
+std::vector<WallLine> LagWatch::lines_of(const Kept& kept, const Lag& lag) const
 {
-  std::vector<Line> lines;
+  std::vector<WallLine> lines;
   lines.reserve(kept.facets.size());
   for (const Facet& f : kept.facets)
   {
@@ -90,10 +86,7 @@ std::vector<LagWatch::Line> LagWatch::lines_of(const Kept& kept, const Lag& lag)
         lag.sweep_s < 0 ? lag.first_rad - f.bearing_rad : f.bearing_rad - lag.first_rad;
     const double share = turn / (2 * M_PI) - std::floor(turn / (2 * M_PI));
     const Place at = place_at(kept.stamp_s - lag.late_s + share * std::abs(lag.sweep_s));
-    const double c = std::cos(at.heading_rad), s = std::sin(at.heading_rad);
-    lines.push_back(
-        {at.x_m + c * f.x_m - s * f.y_m, at.y_m + s * f.x_m + c * f.y_m,
-         c * f.normal_x - s * f.normal_y, s * f.normal_x + c * f.normal_y});
+    lines.push_back(wall_line(f, at.x_m, at.y_m, at.heading_rad));
   }
   return lines;
 }
@@ -121,25 +114,12 @@ std::vector<std::size_t> LagWatch::partners_of(std::size_t kept) const
 
 double LagWatch::apart_m(const Lag& lag) const
 {
-  std::vector<std::vector<Line>> lines;
+  std::vector<std::vector<WallLine>> lines;
   for (const Kept& k : kept_) lines.push_back(lines_of(k, lag));
-  double sum = 0, n = 0;
+  WallsApart apart;
   for (std::size_t i = 0; i < kept_.size(); ++i)
-    for (const std::size_t other : partners_of(i))
-      for (const Line& a : lines[i])
-      {
-        double least_m = kMaxApart_m;
-        for (const Line& b : lines[other])
-        {
-          if (std::abs(a.normal_x * b.normal_x + a.normal_y * b.normal_y) < kSameWay) continue;
-          const double x = a.x_m - b.x_m, y = a.y_m - b.y_m;
-          if (std::abs(x * b.normal_y - y * b.normal_x) < kAlong_m)
-            least_m = std::min(least_m, std::abs(x * b.normal_x + y * b.normal_y));
-        }
-        sum += least_m;
-        n += 1;
-      }
-  return n < kMinCompared ? std::numeric_limits<double>::quiet_NaN() : sum / n;
+    for (const std::size_t other : partners_of(i)) apart.add(lines[i], lines[other]);
+  return apart.mean_m();
 }
 
 Lag LagWatch::refined(Lag lag, double step_s) const

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "near_ground.h"
+#include "wall_lines.h"
 
 namespace talus::hints
 {
@@ -45,13 +45,9 @@ class LagWatch
     double stamp_s, turn_rps;
     std::vector<Facet> facets;
   };
-  struct Line
-  {
-    double x_m, y_m, normal_x, normal_y;  //!< frame of the map
-  };
   bool keeps(double stamp_s, double turn_rps);
   Place place_at(double stamp_s) const;
-  std::vector<Line> lines_of(const Kept& kept, const Lag& lag) const;
+  std::vector<WallLine> lines_of(const Kept& kept, const Lag& lag) const;
   std::vector<std::size_t> partners_of(std::size_t kept) const;
   Lag refined(Lag lag, double step_s) const;
 

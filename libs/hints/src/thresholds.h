@@ -74,6 +74,20 @@ constexpr double kMinSkew_deg = 4;  // turned during a sweep
 constexpr double kMinLate_s = 0.03;
 /// @}
 
+/// @name Axes of the poses, told by directions of travel and by walls
+/// @{
+constexpr double kMinSidewaysPath_m = 5;
+constexpr double kAlwaysSideways = 0.8;  // of the path, at one angle
+constexpr double kMinSideways_deg = 30;  // vehicles that steer all wheels: less
+constexpr double kMinWrongAxes_m = 0.08;  // walls apart, mean: sound drives up to 0.04
+constexpr double kAxesFit = 0.5;  // of that distance, with other axes
+constexpr double kMinMovedWalls_m = 0.15;  // of a robot that stands by its poses
+constexpr double kFastest_mps = 70;  // of robots and cars
+constexpr double kMinTiltedFrame_deg = 3;  // of a mounting, by which the map is tilted, too
+constexpr double kTiltedFrame = 0.5;  // of it, at least
+constexpr double kBeginsLevel_deg = 1;  // first pose of a sensor whose frame is the map's
+/// @}
+
 /// @name Scans that contradict each other
 /// @{
 constexpr double kCell_m = 0.5;

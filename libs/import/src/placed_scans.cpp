@@ -124,7 +124,7 @@ PlacedScans::PlacedScans(
     bool mounted_by_tf)
     : source_(std::move(source)), path_(path), options_(options), mounted_by_tf_(mounted_by_tf)
 {
-  const bool is_given = !options.poses.empty() && !is_kitti_poses(options.poses);
+  const bool is_given = mounted_by_tf && !options.poses.empty() && !is_kitti_poses(options.poses);
   trajectory_ = is_given ? io::Trajectory::load(options.poses) : source_->poses();
 }
 

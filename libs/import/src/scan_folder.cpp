@@ -32,6 +32,19 @@ void read_scan(const std::string& path, const Format& format, ScanFile& out)
 /** KITTI's scanner above the road, as its page on the car says. */
 const CPose3D kMountingOnKittisCar(0, 0, 1.73, 0, 0, 0);
 
+/** Whether the times of poses are 0, 1, 2 ... of as many scans, as KISS-ICP writes them, and those
+ * of the scans are others. */
+bool count_scans(
+    const std::vector<io::Trajectory::Entry>& poses, const std::vector<double>& times_s)
+{
+  if (poses.size() != times_s.size() ||
+      poses.front().time_s != std::clamp(poses.front().time_s, 0.0, 1.0))
+    return false;
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    if (poses[i].time_s != poses[i - 1].time_s + 1) return false;
+  return times_s.front() > poses.back().time_s + 1;
+}
+
 class ScanFolder : public ScanSource
 {
  public:
@@ -76,7 +89,7 @@ class ScanFolder : public ScanSource
   ScanFile file_;
   std::size_t next_ = 0;
   std::vector<std::string> remarks_;
-  bool told_rate_ = false, told_times_ = false;
+  bool told_rate_ = false, told_times_ = false, told_counts_ = false;
 };
 
 ScanFolder::ScanFolder(const Input& input, const SourceOptions& options)
@@ -247,7 +260,13 @@ std::vector<std::string> ScanFolder::remarks() const
 
 io::Trajectory ScanFolder::poses()
 {
-  return poses_.tum.empty() ? io::Trajectory(read_poses_) : io::Trajectory::load(poses_.tum);
+  if (poses_.tum.empty()) return io::Trajectory(read_poses_);
+  auto entries = io::Trajectory::load(poses_.tum).entries();
+  if (!count_scans(entries, times_s_)) return io::Trajectory(std::move(entries));
+  for (std::size_t i = 0; i < entries.size(); ++i) entries[i].time_s = times_s_[i];
+  tell_once(
+      told_counts_, "the times of the poses in " + poses_.tum + " count the scans: one for each");
+  return io::Trajectory(std::move(entries));
 }
 }  // namespace
 

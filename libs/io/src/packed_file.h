@@ -1,4 +1,5 @@
 #pragma once
+#include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/poses/CPose3D.h>
 #include <mrpt/serialization/CArchive.h>
 
@@ -12,6 +13,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "key_frames.h"
 
 namespace talus::io
 {
@@ -108,6 +111,25 @@ class PackedArchive : public mrpt::serialization::CArchive
  public:
   explicit PackedArchive(PackedFile& file) : file_(file) {}
   std::string getArchiveDescription() const override { return "file"; }
+
+  /** The next object; of a simplemap its header alone, and `key_frames` gets what follows. */
+  mrpt::serialization::CSerializable::Ptr next_object(std::optional<KeyFrames>& key_frames)
+  {
+    std::string name;
+    bool is_old = false;
+    std::int8_t version = -1;
+    internal_ReadObjectHeader(name, is_old, version);
+    const auto* known = mrpt::rtti::findRegisteredClass(name);  // also by a name that it had
+    if (known == CLASS_ID(mrpt::maps::CSimpleMap))
+      return key_frames.emplace(*this, version, !is_old), nullptr;
+    if (!known && name != "nullptr")
+      throw std::runtime_error("Stored object has class '" + name + "' which is not registered!");
+    mrpt::serialization::CSerializable::Ptr object;
+    if (known)
+      object = mrpt::ptr_cast<mrpt::serialization::CSerializable>::from(known->createObject());
+    internal_ReadObject(object.get(), name, is_old, version);
+    return object;
+  }
 
  protected:
   /** All of it: not every reader of MRPT looks whether it got what it asked for. */

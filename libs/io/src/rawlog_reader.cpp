@@ -133,7 +133,8 @@ void RawlogReader::Impl::fill()
   {
     const auto object = stream.next();
     if (!object) return;
-    if (auto obs = std::dynamic_pointer_cast<CObservation>(object))
+    if (auto obs = std::dynamic_pointer_cast<CObservation>(object);
+        obs && obs->sensorLabel != kKeyFrames)
       pending.push_back(obs);
     else if (auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object))
       pending.assign(frame->begin(), frame->end());
@@ -187,10 +188,14 @@ struct RawlogStream::Impl
 {
   explicit Impl(const std::string& p) : path(readable(p)), file(p), archive(file) {}
 
+  /** Where not a single object could be read. */
+  std::string else_import() const { return object_begin ? "" : ". " + how_to_import(path); }
+
   std::string path;
   std::uint64_t object_begin = 0;
   PackedFile file;
   PackedArchive archive;
+  std::optional<KeyFrames> key_frames;  //!< of a simplemap that is being read
 };
 
 RawlogStream::RawlogStream(const std::string& path) : impl_(std::make_unique<Impl>(path))
@@ -205,20 +210,30 @@ RawlogStream::~RawlogStream() = default;
 
 mrpt::serialization::CSerializable::Ptr RawlogStream::next()
 {
+  auto& key_frames = impl_->key_frames;
+  const bool has_more = key_frames && !key_frames->at_end();
   impl_->object_begin = impl_->file.position();
-  if (impl_->file.at_end()) return nullptr;
-  const std::string else_import =
-      impl_->object_begin == 0 ? ". " + how_to_import(impl_->path) : std::string();
+  if (!has_more && impl_->file.at_end()) return nullptr;
   try
   {
-    mrpt::serialization::CSerializable::Ptr object;
-    impl_->archive >> object;
+    auto object = has_more ? nullptr : impl_->archive.next_object(key_frames);
+    if (key_frames && !key_frames->at_end())
+    {
+      impl_->object_begin = impl_->file.position();
+      object = key_frames->next();
+    }
     if (object && !lacks_an_observation(*object)) return object;
   }
   catch (const std::bad_alloc&)
   {
     verified_size(impl_->path);  // packed data that is damaged says so itself
-    fail("needs more memory than there is. Most likely the log is damaged there" + else_import);
+    fail(
+        "needs more memory than there is. Most likely the log is damaged there" +
+        impl_->else_import());
+  }
+  catch (const BadKeyFrame& e)
+  {
+    fail(e.what());
   }
   catch (const std::exception& e)
   {
@@ -233,17 +248,19 @@ mrpt::serialization::CSerializable::Ptr RawlogStream::next()
       throw std::runtime_error(
           impl_->path + ": not a rawlog, nothing of MRPT begins at byte 0 (" + reason +
           "). Pass a .rawlog file; if its classes come from a plugin, load the plugin" +
-          else_import + ".");
+          impl_->else_import() + ".");
     if (at_end)
       fail(
           "runs past the end of the file at byte " + std::to_string(size) +
           ": the log is cut short or damaged. Copy it again, or keep what is whole with "
           "rawlog-edit --cut" +
-          else_import);
+          impl_->else_import());
     fail(
         "cannot be read (" + reason +
-        "). The log is damaged there, or its class comes from a plugin that is not loaded");
+        "). The log is damaged there, or its class comes from a newer MRPT or a plugin that is not "
+        "loaded");
   }
+  if (key_frames && key_frames->count() == 0) fail("is a simplemap without key frames");
   fail("is a null object, or holds one. The log is damaged there");
 }
 

@@ -119,6 +119,11 @@ Trajectory LogPoses::best(std::string& source)
   for (auto* by_label : {&robot_poses_, &odometry_})
     for (auto& entry : *by_label) leave_out_not_finite(entry.second);
   leave_out_not_finite(integrated_);
+  if (const auto frames = robot_poses_.find(kKeyFrames); frames != robot_poses_.end())
+  {
+    source = kKeyFrames;
+    return Trajectory(frames->second);
+  }
   if (const auto* poses = largest(robot_poses_))
   {
     source = "CObservationRobotPose '" + poses->first + "'";
@@ -152,6 +157,30 @@ Trajectory::Trajectory(std::vector<Entry> entries) : entries_(std::move(entries)
       entries_.rbegin(), entries_.rend(),
       [](const Entry& a, const Entry& b) { return a.time_s == b.time_s; });
   entries_.erase(entries_.begin(), last.base());
+}
+
+Trajectory Trajectory::levelled(double& turned_rad) const
+{
+  mrpt::math::TPoint3D up(0, 0, 0);
+  for (std::size_t i = 0; i < entries_.size(); ++i)
+  {
+    constexpr double kStanding_m = 1e-6;  // what stands still counts where nothing moves
+    const CPose3D& T = entries_[i].T_map_base;
+    const double path_m = kStanding_m + (i > 0 ? T.distanceTo(entries_[i - 1].T_map_base) : 0);
+    up += (T.composePoint({0, 0, 1}) - mrpt::math::TPoint3D(T.asTPose())) * path_m;
+  }
+  turned_rad = 0;
+  const double length = up.norm(), across = std::hypot(up.x, up.y);
+  if (!(across > 1e-9 * length) || !(up.z > -0.9 * length)) return *this;
+  turned_rad = std::atan2(across, up.z);
+  const double s = std::sin(turned_rad / 2) / across;
+  const CPose3D turn(
+      mrpt::math::CQuaternionDouble(std::cos(turned_rad / 2), up.y * s, -up.x * s, 0), 0, 0, 0);
+  const auto& first = entries_.front().T_map_base;
+  const CPose3D about(first.x(), first.y(), first.z(), 0, 0, 0);
+  auto entries = entries_;
+  for (Entry& e : entries) e.T_map_base = about + turn + ((-about) + e.T_map_base);
+  return Trajectory(std::move(entries));
 }
 
 std::optional<CPose3D> Trajectory::at(double time_s, double max_gap_s) const

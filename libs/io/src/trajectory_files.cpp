@@ -1,9 +1,5 @@
-#include <mrpt/core/Clock.h>
-#include <mrpt/maps/CSimpleMap.h>
-#include <mrpt/maps/registerAllClasses.h>
-#include <mrpt/obs/registerAllClasses.h>
 #include <talus/input_file.h>
-#include <talus/io/mrpt_error.h>
+#include <talus/io/rawlog_reader.h>
 #include <talus/io/trajectory.h>
 #include <talus/text.h>
 
@@ -14,8 +10,6 @@
 #include <fstream>
 #include <stdexcept>
 #include <string_view>
-
-#include "packed_file.h"
 
 using mrpt::poses::CPose3D;
 
@@ -62,14 +56,24 @@ std::from_chars_result read_number(std::string_view word, double& value)
   return std::from_chars(word.data() + (has_plus ? 1 : 0), word.data() + word.size(), value);
 }
 
+/** RTAB-Map writes the number of a pose behind it. */
+bool is_id(std::string_view word)
+{
+  return word.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 /** The eight numbers of a TUM line, in its order. */
 std::array<double, 8> parse_numbers(
     const std::vector<std::string_view>& words, const std::string& path, std::size_t line)
 {
-  if (words.size() != 8)
+  const bool is_of_kitti = words.size() == 12 || words.size() == 13;
+  if (words.size() != 8 && !(words.size() == 9 && is_id(words.back())))
     fail_at_line(
         path, line, std::to_string(words.size()) + " words instead of the 8 numbers " + kTumColumns,
-        "Correct or delete the line");
+        is_of_kitti ? "A pose of KITTI has no time, and goes with a folder of scans (talus-map "
+                      "FOLDER --poses FILE); for a log or a bag make TUM lines of it, with the "
+                      "times of the scans"
+                    : "Correct or delete the line");
   std::array<double, 8> v{};
   for (std::size_t i = 0; i < v.size(); ++i)
   {
@@ -136,7 +140,9 @@ void require_one_pose_a_time(std::vector<TumLine> lines, const std::string& path
       fail_at_line(
           path, line,
           "another pose than line " + std::to_string(first_line) + " has at the same time",
-          "Delete one of them");
+          std::fmod(entry.time_s, 10) == 0
+              ? "The times have lost digits: write them with six decimals (1700000000.123456)"
+              : "Delete one of them");
   }
 }
 
@@ -187,61 +193,13 @@ std::vector<Trajectory::Entry> load_tum(const std::string& path)
   return entries;
 }
 
-mrpt::maps::CSimpleMap read_simplemap(const std::string& path)
-{
-  verified_size(path);  // MRPT reads a file that is cut short without a word
-  mrpt::obs::registerAllClasses_mrpt_obs();
-  mrpt::maps::registerAllClasses_mrpt_maps();
-  mrpt::maps::CSimpleMap map;
-  PackedFile file(path);
-  PackedArchive archive(file);
-  try
-  {
-    archive >> map;
-    return map;
-  }
-  catch (const std::exception& e)
-  {
-    throw std::runtime_error(
-        path + ": not a simplemap (" + reason_of(e) +
-        "). Pass a .simplemap of MRPT or a TUM text file.");
-  }
-}
-
-/** The pose of each keyframe at the time stamps of its observations. */
-std::vector<Trajectory::Entry> load_simplemap(const std::string& path)
-{
-  const auto map = read_simplemap(path);
-  std::vector<Trajectory::Entry> entries;
-  std::size_t number = 0;
-  for (const auto& keyframe : map)
-  {
-    ++number;
-    if (!keyframe.pose || !keyframe.sf) continue;
-    const CPose3D T_map_base = keyframe.pose->getMeanVal();
-    if (!is_finite(T_map_base))
-      throw std::runtime_error(
-          path + ": the pose of keyframe " + std::to_string(number) + " of " +
-          std::to_string(map.size()) + " is not finite. Delete keyframes without a pose.");
-    for (const auto& obs : *keyframe.sf)
-      if (obs && obs->timestamp != INVALID_TIMESTAMP)
-        entries.push_back({mrpt::Clock::toDouble(obs->timestamp), T_map_base});
-  }
-  if (entries.empty())
-    throw std::runtime_error(
-        path + ": none of its " + std::to_string(map.size()) +
-        " keyframes has an observation with a time stamp, so that its poses belong to no time. "
-        "Pass a TUM file instead.");
-  return entries;
-}
-
 }  // namespace
 
 Trajectory Trajectory::load(const std::string& path)
 {
   require_readable_file(path, "trajectory");
   const bool is_map = ends_with(path, ".simplemap") || ends_with(path, ".simplemap.gz");
-  return Trajectory(is_map ? load_simplemap(path) : load_tum(path));
+  return is_map ? trajectory_from_rawlog(path) : Trajectory(load_tum(path));
 }
 
 }  // namespace talus::io

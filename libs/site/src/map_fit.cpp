@@ -19,7 +19,7 @@ constexpr double kOffsetUnit_m = 1e-4;
 constexpr double kFarthest_m = 1000;  //!< farther offsets are counted as that
 
 // What two drives of one frame may differ by.
-constexpr double kMaxOffset_m = 0.03, kMaxGround = 0.25, kMaxStanding = 0.5;
+constexpr double kMaxOffset_m = 0.03, kMaxGround = 0.25, kMaxStanding = 0.15;
 constexpr double kMinStanding_m2 = 0.1;  //!< less says nothing
 
 /** Where the sites of two drives show nothing, bare or something. */

@@ -22,9 +22,9 @@ struct Alignment
 /** Brings the maps of several drives into the frame of the first: each in turn onto those that lie
  * already, the one with the most common ground first. Whole cells move where the yaw stays.
  *
- * Finds offsets up to 1.5 m and 7 degrees, and any in z. What differs between the maps, since it
- * was built, parked or taken away between the drives, has a bounded influence. Throws as
- * site::read_site(). */
+ * Finds offsets up to 1.5 m and 7 degrees, also of drives that began a quarter or half a turn apart
+ * at one position, and any in z. What differs between the maps, since it was built, parked or taken
+ * away between the drives, has a bounded influence. Throws as site::read_site(). */
 std::vector<Alignment> align_sites(
     const std::vector<std::string>& paths, const site::Progress& progress = site::Progress());
 

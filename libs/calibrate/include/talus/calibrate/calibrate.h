@@ -34,6 +34,9 @@ struct Result
   int rounds = 0;  //!< of association and solution
   /** The held-out frames fit the given mounting better, or show no ground: not to be used. */
   bool gains_nothing = false;
+  /** They hardly fit it better, or their 95 % worse, than the given mounting: not to be
+   * recommended. */
+  bool is_doubtful = false;
   std::vector<std::string> warnings;
 };
 

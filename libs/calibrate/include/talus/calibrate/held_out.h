@@ -44,6 +44,12 @@ Vector solve(
     const ScanSet& scans, const PoseTrack& track, const Vector& start, const Choice& chosen,
     Association& a);
 
+/** For each of the chosen parameters: how far the estimates of the two halves of the frames lie
+ * apart, over what their deviations allow; at least 1, and 1 for the others. */
+Vector disagreement_of_halves(
+    const ScanSet& scans, const PoseTrack& track, const Vector& v, const Choice& chosen,
+    const Association& a);
+
 /** The robot stands on the ground, so the ground around it is on average parallel to its base and
  * `base_height_m` below it. Turns the mounting in roll and pitch and lifts it until that holds for
  * the median frame: right to about a degree whatever was given. Throws std::runtime_error that says

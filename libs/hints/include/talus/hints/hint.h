@@ -11,6 +11,8 @@ enum class Kind
   SensorInGround,  //!< rays begin in the ground
   TwoGrounds,  //!< two sensors see the ground at two heights, or leaning otherwise
   Mounting,  //!< the ground is not where the mounting says that the robot stands
+  WrongAxes,  //!< walls fit where the poses are mirrored, swapped or turned
+  Sideways,  //!< the robot drives sideways to its heading
   PoseJumps,  //!< the poses leap
   LevelPoses,  //!< the way climbs, and the poses stay level
   NotDeskewed,  //!< scans that are sweeps of a robot that turns fast

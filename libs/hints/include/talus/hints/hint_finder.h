@@ -52,7 +52,7 @@ class HintFinder
  private:
   struct Scratch;
   void look_at(const Frame& frame, std::size_t sensor);
-  void look_at_walls(const Frame& frame, std::size_t sensor);
+  void look_at_walls(const Frame& frame, std::size_t sensor, const Pose& T_map_base);
   void watch_body(
       const Frame& frame, std::size_t sensor, const NearPlane& lowest, const Pose& T_map_base);
   std::size_t number_of(const std::string& label);

@@ -10,8 +10,9 @@
 namespace talus::io
 {
 /** Reads a rawlog (plain, gz or zstd, observation-only or action/sensory-frame format, external
- * files included) front to back, one observation at a time. Not thread safe, nor are two readers of
- * logs with external files at once: where such files lie is a global of MRPT. */
+ * files included), or the key frames of a simplemap, front to back, one observation at a time. Not
+ * thread safe, nor are two readers of logs with external files at once: where such files lie is a
+ * global of MRPT. */
 class RawlogReader
 {
  public:
@@ -45,10 +46,11 @@ class RawlogReader
  * where there is no such file. */
 std::uint64_t bytes_of_log(const std::string& path);
 
-/** The poses that a log holds itself: CObservationRobotPose, else CObservationOdometry, else its
- * action pairs (odometry integrated from the origin), in that order of preference; of several
- * labels the one with the most poses. Poses that are not finite are left out. `source` gets a few
- * words for messages. Empty when the log has none. Throws as RawlogReader. */
+/** The poses that a log holds itself: of key frames, else CObservationRobotPose, else
+ * CObservationOdometry, else its action pairs (odometry integrated from the origin), in that order
+ * of preference; of several labels the one with the most poses. Poses that are not finite are left
+ * out. `source` gets a few words for messages. Empty when the log has none. Throws as RawlogReader.
+ */
 Trajectory trajectory_from_rawlog(const std::string& path, std::string* source = nullptr);
 
 /** The objects of a rawlog (plain, gz or zstd) one after the other, whatever their class. */

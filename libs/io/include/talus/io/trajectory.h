@@ -34,6 +34,10 @@ class Trajectory
    * than 1 ms away (stamps may have been rounded), else nothing. */
   std::optional<mrpt::poses::CPose3D> at(double time_s, double max_gap_s) const;
 
+  /** Turned about its first position until the base stands upright on average over the path, as on
+   * level ground: for poses in the frame of a tilted sensor. `turned_rad` gets the angle. */
+  Trajectory levelled(double& turned_rad) const;
+
   /** Whether it has no poses. */
   bool empty() const { return entries_.empty(); }
   /** In ascending order of time. */

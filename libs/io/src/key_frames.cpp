@@ -1,0 +1,199 @@
+#include "key_frames.h"
+
+#include <mrpt/containers/yaml.h>
+#include <mrpt/core/Clock.h>
+#include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+#include <mrpt/poses/CPose3DPDF.h>
+#include <mrpt/poses/CPosePDF.h>
+#include <mrpt/poses/Lie/SE.h>
+#include <talus/number_text.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "packed_file.h"
+
+using mrpt::obs::CObservation;
+using mrpt::poses::CPose3D;
+
+namespace talus::io
+{
+namespace
+{
+constexpr const char* kVelocities = "local_velocity_buffer";  // of MOLA, in a comment
+
+bool is_scan(const CObservation& obs)
+{
+  return dynamic_cast<const mrpt::obs::CObservationPointCloud*>(&obs) ||
+         dynamic_cast<const mrpt::obs::CObservationVelodyneScan*>(&obs) ||
+         dynamic_cast<const mrpt::obs::CObservationRotatingScan*>(&obs);
+}
+
+/** Stamps of the observations, that of the first scan first: a pose is of its time. */
+std::vector<double> stamps_of(const mrpt::obs::CSensoryFrame& frame)
+{
+  std::vector<double> stamps_s;
+  bool has_scan = false;
+  for (const auto& obs : frame)
+  {
+    if (!obs || obs->timestamp == INVALID_TIMESTAMP) continue;
+    const bool is_first_scan = is_scan(*obs) && !has_scan;
+    stamps_s.insert(
+        is_first_scan ? stamps_s.begin() : stamps_s.end(), mrpt::Clock::toDouble(obs->timestamp));
+    has_scan = has_scan || is_first_scan;
+  }
+  return stamps_s;
+}
+
+/** "[x y z]" of those at the time nearest to 0, which is that of the scan. */
+std::optional<std::array<double, 3>> nearest(const mrpt::containers::yaml& state, const char* name)
+{
+  if (!state.has(name)) return {};
+  double least_s = HUGE_VAL;
+  std::string text;
+  for (const auto& [time, value] : state[name].asMap())
+    if (const auto t = number_from(time.as<std::string>()); t && std::abs(*t) < least_s)
+    {
+      least_s = std::abs(*t);
+      text = value.as<std::string>();
+    }
+  std::array<double, 3> v{};
+  std::size_t at = 0;
+  for (double& number : v)
+  {
+    const auto begin = text.find_first_of("+-.0123456789", at);
+    at = std::min(text.find_first_not_of("+-.0123456789eE", begin), text.size());
+    const auto read = begin < at ? number_from(text.substr(begin, at - begin)) : std::nullopt;
+    if (!read) return {};
+    number = *read;
+  }
+  return v;
+}
+
+/** What MOLA measured of the robot's motion around the scan. */
+std::optional<KeyFrames::Twist> twist_told_by(const mrpt::obs::CSensoryFrame& frame)
+{
+  for (const auto& obs : frame)
+    if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(obs.get());
+        comment && comment->text.find(kVelocities) != std::string::npos)
+    {
+      const auto text = mrpt::containers::yaml::FromText(comment->text);
+      if (!text.isMap() || !text.has(kVelocities) || !text[kVelocities].has("state")) continue;
+      const auto v = nearest(text[kVelocities]["state"], "linear_velocities"),
+                 w = nearest(text[kVelocities]["state"], "angular_velocities");
+      if (v && w) return KeyFrames::Twist({(*v)[0], (*v)[1], (*v)[2], (*w)[0], (*w)[1], (*w)[2]});
+    }
+  return {};
+}
+
+/** By a motion that lasts: half of the turn, the way, the other half. */
+CPose3D moved(const KeyFrames::Twist& twist, double time_s)
+{
+  const double half_s = time_s / 2;
+  const auto half_turn = mrpt::poses::Lie::SE<3>::exp(
+      KeyFrames::Twist({0.0, 0.0, 0.0, twist[3] * half_s, twist[4] * half_s, twist[5] * half_s}));
+  const CPose3D along(twist[0] * time_s, twist[1] * time_s, twist[2] * time_s, 0, 0, 0);
+  return half_turn + along + half_turn;
+}
+}  // namespace
+
+KeyFrames::KeyFrames(mrpt::serialization::CArchive& in, int version, bool has_end_flag)
+    : in_(in), version_(version), has_end_flag_(has_end_flag)
+{
+  constexpr int kNewest = 2;
+  if (version < 0 || version > kNewest)
+    throw std::runtime_error(
+        "unknown serialization version " + std::to_string(version) + " of CSimpleMap");
+  in_ >> count_;
+}
+
+KeyFrames::Frame KeyFrames::read_frame()
+{
+  Frame frame;
+  ++read_;
+  if (version_ == 0)
+    frame.T_map_base = CPose3D(in_.ReadObject<mrpt::poses::CPosePDF>()->getMeanVal());
+  else if (const auto pose = in_.ReadObject<mrpt::poses::CPose3DPDF>())
+    frame.T_map_base = pose->getMeanVal();
+  const std::string name =
+      "is key frame " + std::to_string(read_) + " of " + std::to_string(count_) + ": ";
+  if (!is_finite(frame.T_map_base))
+    throw BadKeyFrame(name + "its pose is not finite. Delete key frames without a pose");
+  frame.observations = in_.ReadObject<mrpt::obs::CSensoryFrame>();
+  if (!frame.observations) throw BadKeyFrame(name + "it has no observations");
+  frame.stamps_s = stamps_of(*frame.observations);
+  frame.twist = twist_told_by(*frame.observations);
+  if (version_ < 2) return frame;
+  std::string optional, type;
+  bool has_twist = false;
+  in_ >> optional >> type >> has_twist;
+  if (optional != "std::optional") throw BadKeyFrame(name + "no twist follows. It is damaged");
+  if (has_twist) frame.twist.emplace();
+  for (int i = 0; has_twist && i < 6; ++i) in_ >> (*frame.twist)[i];
+  return frame;
+}
+
+void KeyFrames::read_end()
+{
+  constexpr std::uint8_t kEnd = 0x88;
+  if (has_end_flag_ && in_.ReadAs<std::uint8_t>() != kEnd)
+    throw std::runtime_error("what follows its key frames is not its end");
+  if (last_stamp_s_ == -HUGE_VAL)
+    throw BadKeyFrame(
+        "is the last of " + std::to_string(count_) +
+        " key frames, of which none has an observation with a time stamp: the poses belong to no "
+        "time. Give the observations time stamps, or pass a TUM file");
+}
+
+mrpt::serialization::CSerializable::Ptr KeyFrames::next()
+{
+  if (objects_.empty())
+  {
+    const Frame frame = pending_ ? *pending_ : read_frame();
+    const double before_s = last_stamp_s_;
+    if (!frame.stamps_s.empty()) last_stamp_s_ = frame.stamps_s.front();
+    pending_.reset();
+    if (read_ < count_)
+      pending_ = read_frame();
+    else
+      read_end();
+    add_poses(frame, before_s);
+    objects_.push_back(frame.observations);
+  }
+  const auto object = objects_.front();
+  objects_.pop_front();
+  return object;
+}
+
+/** At the stamps of the frame, and around that of its scan as far as no neighbour is nearer. */
+void KeyFrames::add_poses(const Frame& frame, double before_s)
+{
+  if (frame.stamps_s.empty()) return;
+  const double at_s = frame.stamps_s.front();
+  std::set<double> stamps_s(frame.stamps_s.begin(), frame.stamps_s.end());
+  if (frame.twist)
+  {
+    const bool is_last = !pending_ || pending_->stamps_s.empty();
+    const double after_s = is_last ? HUGE_VAL : pending_->stamps_s.front();
+    for (const double from_s : {-0.2, -0.1, 0.1, 0.2})  // a sweep takes 0.05 to 0.2 s
+      if (from_s > (before_s - at_s) / 2 && from_s < (after_s - at_s) / 2)
+        stamps_s.insert(at_s + from_s);
+  }
+  for (const double stamp_s : stamps_s)
+  {
+    auto pose = mrpt::obs::CObservationRobotPose::Create();
+    pose->sensorLabel = kKeyFrames;
+    pose->timestamp = mrpt::Clock::fromDouble(stamp_s);
+    pose->pose.mean = frame.T_map_base;
+    if (frame.twist) pose->pose.mean = frame.T_map_base + moved(*frame.twist, stamp_s - at_s);
+    objects_.push_back(pose);
+  }
+}
+
+}  // namespace talus::io
