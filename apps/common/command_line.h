@@ -44,7 +44,8 @@ CLI::Validator whole_of_64_bits();
  */
 CLI::Validator not_empty();
 
-/** Adds an option that takes a mounting; empty while it is not given. */
+/** Adds an option that takes a mounting of the one sensor, whose label may stand before it; empty
+ * while it is not given. */
 CLI::Option* add_mounting(
     CLI::App& app, const std::string& name, std::optional<Mounting>& value,
     const std::string& help);

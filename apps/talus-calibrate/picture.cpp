@@ -4,6 +4,7 @@
 
 #include <picture_canvas.h>
 #include <picture_panel.h>
+#include <picture_style.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,7 @@ using io::Canvas;
 using io::TextStyle;
 
 constexpr int kPlotWidth = 520, kPlotHeight = 340, kTop = 130, kLeft = 90, kStep = 660;
-const cv::Scalar kBeforeColour(60, 110, 225), kAfterColour(170, 110, 30);
+const cv::Scalar kBeforeColour = io::kFaintInk, kAfterColour(io::bgr(io::palette::kPath.rgb));
 
 /** One diagram: a quantity over the range. */
 struct Plot
@@ -46,7 +47,7 @@ void draw_axes(Canvas& canvas, const Plot& p, const std::string& title)
   for (const double v : heights)
   {
     const int y = static_cast<int>(std::lround(p.py(v)));
-    canvas.horizontal(p.x, p.x + kPlotWidth - 1, y, io::kUnknownColour);
+    canvas.horizontal(p.x, p.x + kPlotWidth - 1, y, io::kGridInk);
     canvas.text(io::tick_text(v, heights[1] - heights[0]), p.x - 8, y, left);
   }
   const auto ranges = io::ticks_between(0, p.far_m, 8);

@@ -179,6 +179,21 @@ void tell_fits(
 
 std::string name_of(const std::string& file) { return fs::path(file).filename().string(); }
 
+/** "monday/site" for "logs/monday/site.tif": its file alone is called like all others. */
+std::string title_of(const fs::path& file)
+{
+  return (fs::absolute(file).parent_path().filename() / file.stem()).string();
+}
+
+std::string title_of(const std::vector<std::string>& files)
+{
+  constexpr std::size_t kMaxNamed = 3;
+  if (files.size() > kMaxNamed) return std::to_string(files.size()) + " maps";
+  std::string all;
+  for (const std::string& file : files) all += (all.empty() ? "" : " + ") + title_of(fs::path(file));
+  return all;
+}
+
 std::string folder_of(const std::string& file)
 {
   const fs::path folder = fs::path(file).parent_path();
@@ -198,6 +213,7 @@ std::vector<MapFit> merge(
 {
   ProgressBar bar("talus-merge", !o.quiet);
   Site site(info_of_site(o.inputs.front()).resolution_m, memory_bytes(o), staging);
+  site.name = title_of(o.inputs);
   const int floor = lowest_floor(o.inputs);
   MergeOptions options = o.merge;
   for (const Alignment& a : alignments) options.shifts.push_back(a.shift);
@@ -260,6 +276,7 @@ void compare(const Options& o, const fs::path& to_folder)
         info_of_site(o.inputs.front()).resolution_m, memory_bytes(o) / 2,
         (to_folder / tiles).string());
     read_site_files(path, *site, a.shift);
+    site->name = title_of(fs::path(path));
     return site;
   };
   warn_of_order(o.inputs[0], o.inputs[1]);

@@ -50,7 +50,9 @@ void require_sensors(const SourceOptions& o, const ImportedLog& log)
   std::string names;
   for (const auto& [label, count] : log.scans) names += (names.empty() ? "" : ", ") + label;
   for (const auto& [label, mounting] : o.mountings)
-    if (!log.scans.count(label))
+    if (label.empty() && log.scans.size() > 1)
+      throw std::runtime_error("--mount: say which sensor, as LABEL=...; there are: " + names + ".");
+    else if (!label.empty() && !log.scans.count(label))
       throw std::runtime_error(
           "--mount " + label + ": no sensor is called that; there are: " + names + ".");
 }
@@ -92,8 +94,7 @@ ImportedLog write_scans(
   bool loses_times = false;
   while (sources.next(scan))
   {
-    if (const auto m = o.mountings.find(scan.sensor_label); m != o.mountings.end())
-      scan.T_base_sensor = m->second;
+    if (const auto* mounting = o.mounting_of(scan.sensor_label)) scan.T_base_sensor = *mounting;
     if (!log.scans.count(scan.sensor_label)) warn_of_units(scan, log);
     writer.write(scan);
     loses_times |= !scan.rgb.empty() && !scan.point_time_s.empty();

@@ -97,7 +97,7 @@ void add_methods(CLI::App& app, CommandOptions& o)
   app.add_option("--config", o.config, "Parameters, as talus-map takes them")
       ->check(app::not_empty())
       ->type_name("FILE");
-  app.add_option("--set", o.settings, "One parameter; can be given several times")
+  app.add_option("-s,--set", o.settings, "One parameter; can be given several times")
       ->type_name("NAME=VALUE")
       ->take_all();
   app.add_option(

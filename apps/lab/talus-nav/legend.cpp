@@ -54,10 +54,9 @@ void draw_mark(Canvas& canvas, const cv::Point& left, const LegendItem& item)
       canvas.frame({left.x, left.y - kHalf_px, kMark_px, 2 * kHalf_px}, io::kFaintInk);
       return;
     case Mark::Line:
-    {
-      const bool dark = item.colour == io::kInk;
-      return draw_way(canvas, {{x, y}, {right, y}}, item.colour, dark ? io::kPaper : io::kInk);
-    }
+      return draw_way(
+          canvas, {{x, y}, {right, y}}, item.colour,
+          item.colour == io::kPaper ? io::kInk : io::kPaper);
     case Mark::Dot:
       return canvas.polygon(
           {{middle - 3, y - 3}, {middle + 3, y - 3}, {middle + 3, y + 3}, {middle - 3, y + 3}},

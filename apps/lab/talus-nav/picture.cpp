@@ -2,10 +2,11 @@
 
 #include "legend.h"
 
-#include <talus/io/score_colour.h>
+#include <talus/io/palette.h>
 #include <talus/sim/truth.h>
 
 #include <opencv2/imgproc.hpp>
+#include <picture_relief.h>
 #include <picture_style.h>
 
 #include <algorithm>
@@ -19,19 +20,13 @@ constexpr double kCell_m = 0.05;
 constexpr int kPixelsPerCell = 3;
 constexpr int kMinWidth_px = 760;  // of the picture, for its words
 
-const cv::Scalar kPoints(66, 228, 240), kKnownBlocked(56, 142, 246), kMayDrop(160, 60, 120);
-const cv::Vec3b kBlocked(70, 62, 58);
-constexpr int kLowGrey = 150, kHighGrey = 245;
+namespace palette = io::palette;
 
-cv::Scalar score_bgr(double score)
+/** How well a cell drives that is no obstacle: from hard to free. */
+cv::Scalar drivable_colour(double traversability)
 {
-  const auto c = io::score_colour(static_cast<float>(score));
-  return {static_cast<double>(c[2]), static_cast<double>(c[1]), static_cast<double>(c[0])};
+  return io::bgr(io::score_colour(static_cast<float>(0.3 + 0.6 * traversability)));
 }
-
-/** How well a cell drives that is no obstacle: the better half of the scores. */
-cv::Scalar drivable_colour(double traversability) { return score_bgr(0.5 + 0.5 * traversability); }
-const cv::Scalar kCostmap = score_bgr(0), kJudgedFree = score_bgr(1.0 / 3);
 
 sim::Truth truth_around(
     const sim::World& world, const mrpt::maps::COccupancyGridMap2D& grid, const RobotBody& body,
@@ -47,16 +42,16 @@ sim::Truth truth_around(
 /** Of a cell that is free with this probability; costmap_from_map() says how they are made. */
 std::optional<cv::Scalar> costmap_colour(float p)
 {
-  if (p < kStandsBelow || is_known_edge(p)) return kCostmap;
-  if (p <= kBlockedUpTo) return kMayDrop;
-  if (p < 0.525F) return io::kUnknownColour;  // kHopeful
-  if (p < 0.555F) return kJudgedFree;  // traversability 0, and yet no obstacle
+  if (p < kStandsBelow) return io::bgr(palette::kStands.rgb);
+  if (is_known_edge(p)) return io::bgr(palette::kBlocked.rgb);
+  if (p <= kBlockedUpTo) return io::bgr(palette::kMayDrop.rgb);
+  if (p < 0.525F) return io::bgr(palette::kNotSeen.rgb);  // kHopeful
   return drivable_colour(std::clamp((p - 0.55) / 0.4, 0.0, 1.0));
 }
 
 std::optional<cv::Scalar> obstacle_colour(float p)
 {
-  return p <= kBlockedUpTo ? std::optional(kKnownBlocked) : std::nullopt;
+  return p <= kBlockedUpTo ? std::optional(cv::Scalar(io::bgr(palette::kKnownBlocked.rgb))) : std::nullopt;
 }
 
 cv::Mat ramp(const std::function<cv::Scalar(double)>& colour_of)
@@ -69,26 +64,23 @@ cv::Mat ramp(const std::function<cv::Scalar(double)>& colour_of)
 
 std::vector<std::vector<LegendItem>> legend()
 {
-  const auto grey = [](double part)
-  { return cv::Scalar::all(kLowGrey + (kHighGrey - kLowGrey) * part); };
+  const auto item = [](Mark mark, const io::NamedColour& c)
+  { return LegendItem{mark, c.name, io::bgr(c.rgb), {}}; };
   return {
-      {{Mark::None, "The truth:"},
-       {Mark::Ramp, "ground, low to high", {}, ramp(grey)},
-       {Mark::Hatching, "something hangs above", grey(0.5)},
-       {Mark::Area, "blocked", cv::Scalar(kBlocked)},
-       {Mark::Dot, "blocked, as the robot knows", kKnownBlocked}},
-      {{Mark::None, "What the robot knows:"},
-       {Mark::Ramp, "hardly to well traversable", {}, ramp(drivable_colour)},
-       {Mark::Area, "blocked", kCostmap},
-       {Mark::Area, "may drop, so blocked", kMayDrop},
-       {Mark::Area, "taken as free", kJudgedFree},
-       {Mark::Area, "unknown", io::kUnknownColour}},
-      {{Mark::None, "Both:"},
+      {{Mark::None, "Ground:"},
+       {Mark::Ramp, "hard to free", {}, ramp(drivable_colour)},
+       item(Mark::Area, palette::kBlocked),
+       item(Mark::Area, palette::kStands),
+       item(Mark::Area, palette::kMayDrop),
+       item(Mark::Area, palette::kNotSeen),
+       {Mark::Hatching, "something hangs above", io::bgr(palette::kFree.rgb), {}}},
+      {{Mark::None, "Drive:"},
        {Mark::Robot, "robot"},
-       {Mark::Line, "way driven", io::kInk},
+       item(Mark::Line, palette::kPath),
        {Mark::Line, "route", io::kPaper},
-       {Mark::Dot, "obstacles given to the navigator", kPoints},
-       {Mark::Cross, "goal"}}};
+       {Mark::Cross, "goal"},
+       item(Mark::Dot, palette::kKnownBlocked),
+       item(Mark::Dot, palette::kGiven)}};
 }
 
 /** How long a metre, or a few, are, in the lower left corner. */
@@ -133,18 +125,17 @@ void Painter::paint_truth(const Route& route, double time_s)
 {
   const auto truth = truth_around(world_, route.costmap(), body_, time_s);
   const auto& w = truth.window;
-  const auto [low, high] = std::minmax_element(truth.ground.begin(), truth.ground.end());
-  const float span = std::max(0.3F, *high - *low);
-  cv::Mat cells(w.cells_y, w.cells_x, CV_8UC3);
-  for (int iy = 0; iy < w.cells_y; iy++)
-    for (int ix = 0; ix < w.cells_x; ix++)
-    {
-      const auto i = static_cast<std::size_t>(iy * w.cells_x + ix);
-      const auto grey = static_cast<unsigned char>(
-          kLowGrey + (kHighGrey - kLowGrey) * (truth.ground[i] - *low) / span);
-      cells.at<cv::Vec3b>(w.cells_y - 1 - iy, ix) =
-          truth.label[i] == 0 ? kBlocked : cv::Vec3b(grey, grey, grey);
-    }
+  const auto layer = [&](const std::vector<float>& values)
+  {
+    cv::Mat1f north_up;
+    cv::flip(cv::Mat1f(values, false).reshape(1, w.cells_y), north_up, 0);
+    return north_up;
+  };
+  const cv::Mat1f ground = layer(truth.ground), top = layer(truth.obstacle_top);
+  const cv::Mat cells = io::paint_terrain(
+      {ground, layer(truth.label), top - ground > io::kMinObstacle_m,
+       cv::Mat1b(ground.size(), uchar{2})},
+      w.resolution_m);
   min_x_m_ = w.min_x_m;
   max_y_m_ = w.min_y_m + w.cells_y * w.resolution_m;
   cv::resize(cells, background_, {}, kPixelsPerCell, kPixelsPerCell, cv::INTER_NEAREST);
@@ -204,7 +195,7 @@ cv::Mat Painter::with_mission(
   for (const auto& p : route.way()) way.push_back(pixel(p.x_m, p.y_m));
   for (const auto& s : mission.steps) driven.push_back(pixel(s.x_m, s.y_m));
   draw_way(canvas, way, io::kPaper, io::kInk);
-  draw_way(canvas, driven, io::kInk, io::kPaper);
+  draw_way(canvas, driven, io::bgr(palette::kPath.rgb), io::kPaper);
   paint_robot(canvas, at);
   const double c = std::cos(at.yaw_rad), s = std::sin(at.yaw_rad);
   for (std::size_t i = 0; i < pilot.obstacles().size(); i++)
@@ -212,7 +203,7 @@ cv::Mat Painter::with_mission(
     float x = 0, y = 0;
     pilot.obstacles().getPoint(i, x, y);
     const cv::Point middle(pixel(at.x_m + c * x - s * y, at.y_m + s * x + c * y));
-    canvas.fill({middle - cv::Point(2, 2), cv::Size(5, 5)}, kPoints);
+    canvas.fill({middle - cv::Point(2, 2), cv::Size(5, 5)}, io::bgr(palette::kGiven.rgb));
   }
   draw_cross(canvas, pixel(options_.goal.x, options_.goal.y));
   draw_scale_bar(canvas);
@@ -228,7 +219,7 @@ cv::Mat Painter::draw(
   if (grew || !world_.movers.empty()) paint_truth(route, mission.steps.back().time_s);
   cv::Mat truth = background_.clone();
   paint_cells(truth, route, 2, obstacle_colour);
-  cv::Mat known(truth.size(), truth.type(), io::kUnknownColour);
+  cv::Mat known(truth.size(), truth.type(), io::bgr(palette::kNotSeen.rgb));
   paint_cells(known, route, kPixelsPerCell, costmap_colour);
   for (cv::Mat* image : {&truth, &known}) *image = with_mission(*image, mission, route, pilot);
   const int width_px = std::max(truth.cols, kMinWidth_px);

@@ -90,12 +90,8 @@ cv::Mat with_legend(const cv::Mat& drive)
 {
   constexpr int kEdge = 24, kBelow = 44;
   io::Legend legend;
-  legend.heading("Traversability");
-  legend.colours("blocked", io::terrain_colours(), "free");
-  legend.swatch(io::kStandsInTheWay, "stands in the way");
-  legend.swatch(io::pale_free_colour(), "pale: filled, or not reached");
-  legend.swatch(io::pale_not_judged_colour(), "not judged");
-  legend.way_line("way of the robot");
+  io::add_terrain(legend);
+  legend.way_line(io::palette::kPath.name);
   io::Canvas page(drive.cols, drive.rows + kBelow);
   page.paste(drive, 0, 0);
   legend.draw(page, {kEdge, drive.rows + (kBelow - 18) / 2}, drive.cols - 2 * kEdge);

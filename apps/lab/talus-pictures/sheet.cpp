@@ -54,13 +54,12 @@ io::Legend legend(bool of_scores)
   constexpr double kSmall = 0.8;
   io::Legend legend(kSmall);
   legend.colours("blocked", io::colours_of(Palette::Scores), "free");
-  legend.swatch(io::not_judged_colour(), "not judged");
-  legend.swatch(io::state_styles()[0].colour, "no data");
+  legend.swatch(io::palette::kNotJudged);
+  legend.swatch(io::palette::kNotSeen);
   if (of_scores) return legend;
   legend.colours("low", io::colours_of(Palette::Heights), "high, over 0.6 m");
   legend.new_row();
-  for (const std::size_t i : {1, 2, 3, 4})
-    legend.swatch(io::state_styles()[i].colour, io::state_styles()[i].word);
+  for (const std::size_t i : {1, 2, 3, 4}) legend.swatch(io::palette::kStates[i]);
   legend.colours("standard deviation 0", io::colours_of(Palette::Amounts), "0.05 m");
   return legend;
 }
@@ -76,7 +75,7 @@ cv::Mat layer_image(
   if (layer == layer_name(Layer::Traversability))
     io::paint_not_judged(cells, values, *stack.find(layer_name(Layer::State)));
   const int side = static_cast<int>(std::lround(side_m / stack.resolution_m));
-  cv::Mat square(side, side, CV_8UC3, io::kUnknownColour), tile;
+  cv::Mat square(side, side, CV_8UC3, io::bgr(io::palette::kNotSeen.rgb)), tile;
   const int shift = (side - cells.cols) / 2;  // the same to all sides: the robot is in the middle
   const cv::Rect all(0, 0, side, side), placed(shift, shift, cells.cols, cells.rows);
   const cv::Rect seen = all & placed;

@@ -142,7 +142,7 @@ void BagMotion::find_maps(const BagReader& reader, const SourceOptions& options)
   const auto is_asked_for = [&](const CloudTopic& t)
   {
     const auto& name = reader.topics()[t.topic].name;
-    return options.mountings.count(name) > 0 ||
+    return options.mounting_of(name) ||
            std::find(options.topics.begin(), options.topics.end(), name) != options.topics.end();
   };
   leave_out(

@@ -59,7 +59,7 @@ class BagSource : public ScanSource
         reader_(paths, options.partial),
         roles_(roles_of(reader_.topics(), options.topics, path_)),
         motion_(reader_, roles_, options, path_),
-        mountings_(options.mountings),
+        options_(options),
         sensors_(roles_.size()),
         no_returns_(motion_.no_returns())
   {
@@ -97,7 +97,7 @@ class BagSource : public ScanSource
   BagReader reader_;
   std::vector<BagRole> roles_;
   BagMotion motion_;
-  std::map<std::string, mrpt::poses::CPose3D> mountings_;  //!< given ones, by topic
+  SourceOptions options_;
   std::vector<Sensor> sensors_;  //!< one a topic
   std::map<std::size_t, std::vector<std::array<double, 3>>> no_returns_;  //!< where, by topic
   ScanFile file_;
@@ -133,10 +133,9 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
   sensor.offsets.add(message.log_time_ns, stamp_ns);
   if (stamp_ns < sensor.last_ns) return ++sensor.late, false;
   const auto& topic = reader_.topics()[message.topic].name;
-  const auto given = mountings_.find(topic);
-  const auto T_base_sensor = given == mountings_.end()
-                                 ? motion_.T_base_sensor(cloud.header.frame, stamp_ns)
-                                 : std::optional<mrpt::poses::CPose3D>(given->second);
+  const auto* given = options_.mounting_of(topic);
+  const auto T_base_sensor = given ? std::optional<mrpt::poses::CPose3D>(*given)
+                                   : motion_.T_base_sensor(cloud.header.frame, stamp_ns);
   if (!T_base_sensor)
   {
     if (sensor.not_mounted++ == 0) sensor.not_mounted_ns = stamp_ns;

@@ -156,6 +156,15 @@ std::vector<Legend::Placed> Legend::placed(int width_px, int& height_px) const
   return all;
 }
 
+void add_terrain(Legend& legend, const std::string& heading)
+{
+  if (!heading.empty()) legend.heading(heading);
+  legend.colours(palette::kBlocked.name, colours_of(Palette::Scores), palette::kFree.name);
+  for (const NamedColour& c :
+       {palette::kStands, palette::kInferred, palette::kGuessed, palette::kNotSeen})
+    legend.swatch(c);
+}
+
 int Legend::height_px(int width_px) const
 {
   int height = 0;

@@ -19,6 +19,7 @@ class Legend
   void heading(const std::string& words);
   /** A strip of colours (N x 1) from the first to the last between two words. */
   void colours(const std::string& low, const cv::Mat& strip, const std::string& high);
+  void swatch(const NamedColour& colour) { swatch(bgr(colour.rgb), colour.name); }
   void swatch(const cv::Vec3b& colour, const std::string& words);
   void way(const std::string& words);  //!< with the marks of its start and its end
   void way_line(const std::string& words);
@@ -56,6 +57,9 @@ class Legend
   std::vector<Item> items_;
   bool begins_row_ = false;
 };
+
+/** What the colours of paint_terrain() mean; `heading` first, unless it is empty. */
+void add_terrain(Legend& legend, const std::string& heading = "Traversability");
 
 /** The arrow that stands for the robot, `length_px` long, with its middle at a point; `yaw_rad`
  * counter-clockwise from the right. */
