@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Pages are true: links lead to files and headings that exist, commands and their long options to those that there are.
-They are short, --help is not wide, and pictures are as new as the colours and scenes that made them.
+They are short, --help is not wide, and pictures are as new as the palette and the scenes that made them.
 
   test/pages.py SOURCE_DIR [BIN_DIR]
   test/pages.py SOURCE_DIR --made PICTURE    notes that it was made of what is there now (./dev pictures)

@@ -48,7 +48,8 @@ std::string wrapped(const std::string& text, std::size_t columns)
   return all + line;
 }
 
-/** Defaults in one form, at the end of what an option does, and no line of more than 100 columns. */
+/** Defaults in one form, at the end of what an option does, and no line of more than 100 columns.
+ */
 class HelpFormatter : public CLI::Formatter
 {
  public:

@@ -61,21 +61,14 @@ void draw_line(
     Canvas& canvas, const Plot& p, const std::vector<RangeBin>& bins, double RangeBin::*value,
     const cv::Scalar& colour)
 {
-  cv::Point2d last;
-  for (std::size_t i = 0; i < bins.size(); ++i)
+  std::vector<cv::Point2d> middles;
+  for (const RangeBin& bin : bins)
   {
-    const cv::Point2d at(p.px((bins[i].from_m + bins[i].to_m) / 2), p.py(1000 * (bins[i].*value)));
-    if (i > 0)
-    {
-      const cv::Point2d along = at - last, side = cv::Point2d(-along.y, along.x) / cv::norm(along);
-      canvas.polygon({last + side, at + side, at - side, last - side}, colour, colour, 0);
-    }
-    canvas.polygon(
-        {at + cv::Point2d(-4, -4), at + cv::Point2d(4, -4), at + cv::Point2d(4, 4),
-         at + cv::Point2d(-4, 4)},
-        colour, colour, 0);
-    last = at;
+    const cv::Point2d at(p.px((bin.from_m + bin.to_m) / 2), p.py(1000 * (bin.*value)));
+    middles.push_back(at);
+    canvas.fill({cv::Point(at) - cv::Point(4, 4), cv::Size(9, 9)}, colour);
   }
+  canvas.line(middles, colour, 2);
 }
 
 /** Least and greatest of a quantity over both estimates, in mm. */

@@ -4,6 +4,7 @@
 #include "../common/crash_context.h"
 #include "../common/export/export_files.h"
 #include "../common/export/export_formats.h"
+#include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/run_app.h"
 
@@ -142,11 +143,6 @@ void add_options(CLI::App& app, Options& options)
 constexpr const char* kLessMemory =
     "The map is read as a whole: cut out a part of it with gdal_translate, or take a machine with "
     "more memory";
-/** "monday/site" for "logs/monday/site.tif". */
-std::string title_of(const fs::path& file)
-{
-  return (fs::absolute(file).parent_path().filename() / file.stem()).string();
-}
 
 std::string folder_for(const std::string& file, const Options& o)
 {
@@ -192,7 +188,7 @@ int export_all(const Options& o, const Folders& folders)
     const auto work = [&]
     {
       const auto told = app::export_files(
-          file, folder.staging(), o.title.empty() ? title_of(file) : o.title, o.exports);
+          file, folder.staging(), o.title.empty() ? app::name_of_map(file) : o.title, o.exports);
       for (const std::string& note : told.notes) tell("warning: " + note);
       for (const std::string& error : told.errors) tell(error);
       return told.errors.empty() ? 0 : 1;

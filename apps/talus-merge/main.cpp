@@ -2,6 +2,7 @@
 #include "../common/child_process.h"
 #include "../common/command_line.h"
 #include "../common/export/export_formats.h"
+#include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/progress_bar.h"
 #include "../common/run_app.h"
@@ -179,18 +180,12 @@ void tell_fits(
 
 std::string name_of(const std::string& file) { return fs::path(file).filename().string(); }
 
-/** "monday/site" for "logs/monday/site.tif": its file alone is called like all others. */
-std::string title_of(const fs::path& file)
-{
-  return (fs::absolute(file).parent_path().filename() / file.stem()).string();
-}
-
 std::string title_of(const std::vector<std::string>& files)
 {
   constexpr std::size_t kMaxNamed = 3;
   if (files.size() > kMaxNamed) return std::to_string(files.size()) + " maps";
   std::string all;
-  for (const std::string& file : files) all += (all.empty() ? "" : " + ") + title_of(fs::path(file));
+  for (const std::string& file : files) all += (all.empty() ? "" : " + ") + app::name_of_map(file);
   return all;
 }
 
@@ -276,7 +271,7 @@ void compare(const Options& o, const fs::path& to_folder)
         info_of_site(o.inputs.front()).resolution_m, memory_bytes(o) / 2,
         (to_folder / tiles).string());
     read_site_files(path, *site, a.shift);
-    site->name = title_of(fs::path(path));
+    site->name = app::name_of_map(path);
     return site;
   };
   warn_of_order(o.inputs[0], o.inputs[1]);

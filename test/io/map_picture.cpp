@@ -137,6 +137,17 @@ TEST(MapPicture, shows_ground_that_was_not_judged_in_another_colour_than_what_is
   EXPECT_GT(not_judged.y, unknown.y);
 }
 
+TEST(MapPicture, judges_a_free_guess_from_one_side_no_more_than_a_site_does)
+{
+  LayerStack stack = stack_of({"state", "traversability"}, [](int, int) { return 3.0F; });
+  for (const bool is_site : {false, true})
+  {
+    if (is_site) stack.names.emplace_back("age"), stack.layers.push_back(stack.layers[0]);
+    const int guessed = patch_of(draw_map(stack), bgr(palette::kGuessed)).count;
+    EXPECT_EQ(guessed > kLarge_px / 2, !is_site) << "of a site rays have proved it";
+  }
+}
+
 TEST(MapPicture, shows_the_traversability_large_and_every_other_layer_small_beside_it)
 {
   const auto free = [](int, int) { return 1.0F; };

@@ -51,7 +51,8 @@ void require_sensors(const SourceOptions& o, const ImportedLog& log)
   for (const auto& [label, count] : log.scans) names += (names.empty() ? "" : ", ") + label;
   for (const auto& [label, mounting] : o.mountings)
     if (label.empty() && log.scans.size() > 1)
-      throw std::runtime_error("--mount: say which sensor, as LABEL=...; there are: " + names + ".");
+      throw std::runtime_error(
+          "--mount: say which sensor, as LABEL=...; there are: " + names + ".");
     else if (!label.empty() && !log.scans.count(label))
       throw std::runtime_error(
           "--mount " + label + ": no sensor is called that; there are: " + names + ".");

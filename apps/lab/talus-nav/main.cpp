@@ -63,7 +63,8 @@ std::string title(const Options& o, const MissionResult& m, bool ended)
       talus::app::name_of_world(o.world).c_str(), o.in_3d ? "3D" : "2D", o.map.c_str(),
       static_cast<unsigned long long>(o.seed),
       ended ? (talus::fixed_text(m.driven_m, 1) + " m in ").c_str() : "",
-      ended ? m.time_s : m.steps.back().time_s, ended ? ", " : "", ended ? ending_name(m.ending).c_str() : "");
+      ended ? m.time_s : m.steps.back().time_s, ended ? ", " : "",
+      ended ? ending_name(m.ending).c_str() : "");
   return text;
 }
 

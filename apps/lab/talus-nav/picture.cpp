@@ -1,11 +1,10 @@
 #include "picture.h"
 
-#include "legend.h"
-
 #include <talus/io/palette.h>
 #include <talus/sim/truth.h>
 
 #include <opencv2/imgproc.hpp>
+#include <picture_legend.h>
 #include <picture_relief.h>
 #include <picture_style.h>
 
@@ -51,7 +50,8 @@ std::optional<cv::Scalar> costmap_colour(float p)
 
 std::optional<cv::Scalar> obstacle_colour(float p)
 {
-  return p <= kBlockedUpTo ? std::optional(cv::Scalar(io::bgr(palette::kKnownBlocked.rgb))) : std::nullopt;
+  return p <= kBlockedUpTo ? std::optional(cv::Scalar(io::bgr(palette::kKnownBlocked.rgb)))
+                           : std::nullopt;
 }
 
 cv::Mat ramp(const std::function<cv::Scalar(double)>& colour_of)
@@ -62,25 +62,87 @@ cv::Mat ramp(const std::function<cv::Scalar(double)>& colour_of)
   return column;
 }
 
-std::vector<std::vector<LegendItem>> legend()
+/** Every fourth diagonal of the pixels is darker where something hangs above. */
+bool is_hatched(int x, int y) { return (x + y) % 9 < 2; }
+
+/** A line with an edge, so that it shows on every ground. */
+void draw_path(
+    io::Canvas& canvas, const std::vector<cv::Point2d>& path, const cv::Scalar& colour,
+    const cv::Scalar& edge)
 {
-  const auto item = [](Mark mark, const io::NamedColour& c)
-  { return LegendItem{mark, c.name, io::bgr(c.rgb), {}}; };
-  return {
-      {{Mark::None, "Ground:"},
-       {Mark::Ramp, "hard to free", {}, ramp(drivable_colour)},
-       item(Mark::Area, palette::kBlocked),
-       item(Mark::Area, palette::kStands),
-       item(Mark::Area, palette::kMayDrop),
-       item(Mark::Area, palette::kNotSeen),
-       {Mark::Hatching, "something hangs above", io::bgr(palette::kFree.rgb), {}}},
-      {{Mark::None, "Drive:"},
-       {Mark::Robot, "robot"},
-       item(Mark::Line, palette::kPath),
-       {Mark::Line, "route", io::kPaper},
-       {Mark::Cross, "goal"},
-       item(Mark::Dot, palette::kKnownBlocked),
-       item(Mark::Dot, palette::kGiven)}};
+  if (path.size() < 2) return;
+  canvas.line(path, edge, 6);
+  canvas.line(path, colour, 3);
+}
+
+void draw_cross(io::Canvas& canvas, const cv::Point2d& middle)
+{
+  for (const auto& [colour, width_px] : {std::pair{io::kPaper, 8.0}, {io::kInk, 4.0}})
+    for (const cv::Point2d& arm : {cv::Point2d(9, 9), cv::Point2d(9, -9)})
+      canvas.line({middle - arm, middle + arm}, colour, width_px);
+}
+
+io::Legend legend()
+{
+  io::Legend legend;
+  legend.heading("Ground");
+  legend.colours(palette::kHard.name, ramp(drivable_colour), palette::kFree.name);
+  for (const auto& c : {palette::kBlocked, palette::kStands, palette::kMayDrop, palette::kNotSeen})
+    legend.swatch(c);
+  legend.mark(
+      {30, 18}, "something hangs above",
+      [](io::Canvas& canvas, cv::Point at)
+      {
+        cv::Mat3b image(18, 30, io::bgr(palette::kFree.rgb));
+        for (int y = 0; y < image.rows; y++)
+          for (int x = 0; x < image.cols; x++)
+            if (is_hatched(x, y)) image(y, x) *= 0.6;
+        canvas.paste(image, at.x, at.y);
+      });
+  legend.new_row();
+  legend.heading("Drive");
+  legend.mark(
+      {30, 14}, "robot",
+      [](io::Canvas& canvas, cv::Point at)
+      {
+        const cv::Point2d p(at);
+        canvas.polygon(
+            {p, p + cv::Point2d(22, 0), p + cv::Point2d(30, 7), p + cv::Point2d(22, 14),
+             p + cv::Point2d(0, 14)},
+            io::kPaper, io::kInk, 1.5);
+      });
+  legend.way_line(palette::kPath.name);
+  legend.mark(
+      {40, 6}, "route",
+      [](io::Canvas& canvas, cv::Point at) {
+        draw_path(canvas, {at + cv::Point(0, 3), at + cv::Point(40, 3)}, io::kPaper, io::kInk);
+      });
+  legend.mark(
+      {20, 20}, "goal",
+      [](io::Canvas& canvas, cv::Point at) { draw_cross(canvas, at + cv::Point(10, 10)); });
+  for (const auto& c : {palette::kKnownBlocked, palette::kGiven}) legend.swatch(c);
+  return legend;
+}
+
+/** A white strip with a line of text, made smaller where it would not fit. */
+cv::Mat draw_title(int width_px, const std::string& text)
+{
+  constexpr int kEdge_px = 12, kTitle_px = 40;
+  io::TextStyle style{13, io::kInk, true, io::Anchor::Start, io::Anchor::Middle, false};
+  style.cap_height_px *=
+      std::min(1.0, (width_px - 2 * kEdge_px) / io::Canvas::text_width(text, style));
+  io::Canvas strip(width_px, kTitle_px);
+  strip.text(text, kEdge_px, kTitle_px / 2.0, style);
+  return strip.image();
+}
+
+cv::Mat draw_legend(int width_px)
+{
+  constexpr int kEdge_px = 12;
+  const io::Legend all = legend();
+  io::Canvas strip(width_px, all.height_px(width_px - 2 * kEdge_px) + 2 * kEdge_px);
+  all.draw(strip, {kEdge_px, kEdge_px}, width_px - 2 * kEdge_px);
+  return strip.image();
 }
 
 /** How long a metre, or a few, are, in the lower left corner. */
@@ -194,8 +256,8 @@ cv::Mat Painter::with_mission(
   std::vector<cv::Point2d> way, driven;
   for (const auto& p : route.way()) way.push_back(pixel(p.x_m, p.y_m));
   for (const auto& s : mission.steps) driven.push_back(pixel(s.x_m, s.y_m));
-  draw_way(canvas, way, io::kPaper, io::kInk);
-  draw_way(canvas, driven, io::bgr(palette::kPath.rgb), io::kPaper);
+  draw_path(canvas, way, io::kPaper, io::kInk);
+  draw_path(canvas, driven, io::bgr(palette::kPath.rgb), io::kPaper);
   paint_robot(canvas, at);
   const double c = std::cos(at.yaw_rad), s = std::sin(at.yaw_rad);
   for (std::size_t i = 0; i < pilot.obstacles().size(); i++)
@@ -228,7 +290,7 @@ cv::Mat Painter::draw(
       std::vector<cv::Mat>{
           draw_title(width_px, title + "; the truth"), widened(truth, width_px),
           draw_title(width_px, "What the robot knows"), widened(known, width_px),
-          draw_legend(width_px, legend())},
+          draw_legend(width_px)},
       all);
   return all;
 }

@@ -29,7 +29,9 @@ void add_dots(
     if (labels[i] == PointLabel::NotTaken || labels[i] == PointLabel::Outside) continue;
     const sim::Vec3 p = sim::transform(scan.T_map_sensor, {scan.x_m[i], scan.y_m[i], scan.z_m[i]});
     const cv::Vec3d pixel = camera.pixel({p.x, p.y, p.z});
-    if (pixel[2] > 0) dots.push_back({pixel, io::bgr(io::palette::kLabels[static_cast<std::size_t>(labels[i])].rgb)});
+    if (pixel[2] > 0)
+      dots.push_back(
+          {pixel, io::bgr(io::palette::kLabels[static_cast<std::size_t>(labels[i])].rgb)});
   }
 }
 
@@ -37,6 +39,7 @@ io::Legend legend_of_labels()
 {
   io::Legend legend;
   for (std::size_t l = 1; l < kPointLabelCount - 1; ++l) legend.swatch(io::palette::kLabels[l]);
+  legend.mark({0, 0}, "world street", [](io::Canvas&, cv::Point) {});
   return legend;
 }
 }  // namespace

@@ -16,7 +16,8 @@ namespace
 constexpr int kOversampling = 2, kFractionBits = 4;
 constexpr double kNearest_m = 0.5;
 const cv::Vec3b kPaper(255, 255, 255), kWay(io::bgr(io::palette::kPath.rgb)), kRobot(250, 250, 250);
-const cv::Vec3b kFoot(io::bgr(io::palette::kStands.rgb)), kHigh(205, 190, 184);  //!< of what stands, BGR
+const cv::Vec3b kFoot(io::bgr(io::palette::kStands.rgb)),
+    kHigh(205, 190, 184);  //!< of what stands, BGR
 constexpr double kHigh_m = 2.5;
 
 /** A polygon of one colour; what is farther is painted first. */

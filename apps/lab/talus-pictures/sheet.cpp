@@ -84,7 +84,9 @@ cv::Mat layer_image(
   return tile;
 }
 
-cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together, SheetLegend explained)
+cv::Mat draw_sheet(
+    const std::vector<Tile>& tiles, int columns, int together, const std::string& words,
+    SheetLegend explained)
 {
   const bool of_scores = explained == SheetLegend::Scores;
   const int legend_px = (of_scores ? 1 : 2) * kLegendRow_px;
@@ -107,7 +109,9 @@ cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together, Sh
     const double middle = tile_px / 2.0;
     io::draw_robot(canvas, {x + middle, y + kTitle_px + middle}, 0, 12);
   }
-  legend(of_scores).draw(
+  io::Legend all = legend(of_scores);
+  all.mark({0, 0}, words, [](Canvas&, cv::Point) {});
+  all.draw(
       canvas, {kEdge_px, canvas.image().rows - kEdge_px - legend_px},
       canvas.image().cols - 2 * kEdge_px);
   return canvas.image();

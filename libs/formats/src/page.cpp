@@ -79,10 +79,10 @@ json list_of(const Colours& colours)
 json palette()
 {
   namespace p = io::palette;
-  return {{"blocked", json_of(p::kBlocked)},   {"free", json_of(p::kFree)},
-          {"stands", json_of(p::kStands)},     {"inferred", json_of(p::kInferred)},
-          {"not_judged", json_of(p::kNotJudged)}, {"guessed", json_of(p::kGuessed)}, {"may_drop", json_of(p::kMayDrop)},
-          {"path", json_of(p::kPath)}};
+  return {{"blocked", json_of(p::kBlocked)},      {"free", json_of(p::kFree)},
+          {"stands", json_of(p::kStands)},        {"inferred", json_of(p::kInferred)},
+          {"not_judged", json_of(p::kNotJudged)}, {"guessed", json_of(p::kGuessed)},
+          {"may_drop", json_of(p::kMayDrop)},     {"path", json_of(p::kPath)}};
 }
 
 /** When, how far, how much. */

@@ -27,6 +27,9 @@ class Legend
   void scale_bar(double px_per_m);
   /** `turn_rad` as draw_north(). */
   void north(double turn_rad, const std::string& letter, const std::string& words);
+  using Draw = std::function<void(Canvas&, cv::Point corner)>;
+  /** A mark of a size with words to its right. */
+  void mark(cv::Size size, const std::string& words, Draw draw);
   /** What follows begins a row. */
   void new_row();
 
@@ -34,7 +37,6 @@ class Legend
   void draw(Canvas& canvas, cv::Point corner, int width_px) const;
 
  private:
-  using Draw = std::function<void(Canvas&, cv::Point corner)>;
   struct Item
   {
     cv::Size size;
@@ -49,8 +51,6 @@ class Legend
 
   int px(double unscaled) const;
   TextStyle words_style(bool bold = false) const;
-  /** A mark of a size with words to its right. */
-  void add(cv::Size mark, const std::string& words, Draw draw);
   std::vector<Placed> placed(int width_px, int& height_px) const;
 
   double scale_;

@@ -113,13 +113,13 @@ void draw_colour_scale(
   }
 }
 
-void draw_swatch(
-    Canvas& canvas, const cv::Point& corner, const NamedColour& colour)
+void draw_swatch(Canvas& canvas, const cv::Point& corner, const NamedColour& colour)
 {
   const cv::Rect swatch(corner, cv::Size(kBarWidth, kBarWidth));
   canvas.fill(swatch, bgr(colour.rgb));
   canvas.frame(swatch, kInk);
-  canvas.text(colour.name, swatch.x + kBarWidth + kTick + 4, corner.y + kBarWidth / 2.0, kSmallText);
+  canvas.text(
+      colour.name, swatch.x + kBarWidth + kTick + 4, corner.y + kBarWidth / 2.0, kSmallText);
 }
 
 /** Cells without a score: of two kinds. */

@@ -124,8 +124,8 @@ cv::Mat3b paint_terrain(const Terrain& t, double pixel_m)
       // The relief of a guess is not worth much contrast.
       const float light = is_filled ? (shade(y, x) + kLevel) / 2 : shade(y, x);
       const Rgb colour = score_colour(score);
-      image(y, x) = blocks ? bgr(palette::kStands.rgb)
-                           : lit(bgr(is_filled ? pale(colour) : colour), light);
+      image(y, x) =
+          blocks ? bgr(palette::kStands.rgb) : lit(bgr(is_filled ? pale(colour) : colour), light);
     }
   return image;
 }

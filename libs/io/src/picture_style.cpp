@@ -40,7 +40,8 @@ std::pair<int, std::ptrdiff_t> rank_of(const LayerStyle& style)
 cv::Mat score_colours()
 {
   cv::Mat colours(256, 1, CV_8UC3);
-  for (int i = 0; i < 256; ++i) colours.at<cv::Vec3b>(i) = bgr(score_colour(static_cast<float>(i) / 255));
+  for (int i = 0; i < 256; ++i)
+    colours.at<cv::Vec3b>(i) = bgr(score_colour(static_cast<float>(i) / 255));
   return colours;
 }
 
@@ -152,8 +153,8 @@ cv::Mat paint_cells(
       auto& pixel = image.at<cv::Vec3b>(cells_y - 1 - iy, ix);
       if (palette == Palette::States)
       {
-        pixel = bgr(
-            palette::kStates[v >= 1 && v < kCellStates ? static_cast<std::size_t>(v) : 0].rgb);
+        pixel =
+            bgr(palette::kStates[v >= 1 && v < kCellStates ? static_cast<std::size_t>(v) : 0].rgb);
         continue;
       }
       const float part = (v - range.low) / (range.high - range.low);

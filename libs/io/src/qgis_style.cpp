@@ -34,8 +34,8 @@ std::string colour_items()
                              : k == kSteps ? palette::kFree.name
                                            : "";
     items += "          <item alpha=\"255\" value=\"" + number_text(t) + "\" label=\"" +
-             number_text(t) + " " + word + "\" color=\"" + hex(score_colour(static_cast<float>(t))) +
-             "\"/>\n";
+             number_text(t) + " " + word + "\" color=\"" +
+             hex(score_colour(static_cast<float>(t))) + "\"/>\n";
   }
   return items;
 }

@@ -64,7 +64,8 @@ cv::Mat3b colours_of_cells(const SiteRaster& r, const Marks& marks, double pixel
       else if (r.obstacle(y, x) != 0)
         image(y, x) = bgr(kStands.rgb);
       else
-        image(y, x) = io::lit(bgr((marks.common(y, x) != 0 ? kKinds[0] : kOnlyOne).rgb), shade(y, x));
+        image(y, x) =
+            io::lit(bgr((marks.common(y, x) != 0 ? kKinds[0] : kOnlyOne).rgb), shade(y, x));
   return image;
 }
 
@@ -90,7 +91,8 @@ std::string when(const Site& site, std::uint32_t newest_s)
 std::vector<std::string> subtitles(
     const std::string& before, const std::string& after, const ChangeSums& sums, double step_m)
 {
-  const std::string times = before.empty() || after.empty() ? "" : "from " + before + " to " + after;
+  const std::string times =
+      before.empty() || after.empty() ? "" : "from " + before + " to " + after;
   double seen_m2 = 0;
   for (const std::size_t cells : sums.cells) seen_m2 += sums.cell_m2 * static_cast<double>(cells);
   const std::string seen = area_text(seen_m2) + " seen both times; changed: by more than " +
@@ -115,7 +117,9 @@ void write_changes_picture(
   add_kinds(sheet.legend(), sums);
   sheet.add_scale_and_north(to.origin);
   io::write_png(
-      path, sheet.finish("What changed", subtitles(when(from, before_s), when(to, raster.newest_s), sums, step_m)));
+      path, sheet.finish(
+                "What changed",
+                subtitles(when(from, before_s), when(to, raster.newest_s), sums, step_m)));
 }
 
 }  // namespace talus::site

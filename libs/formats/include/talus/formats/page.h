@@ -36,8 +36,9 @@ void require_leaflet();
 
 /** One file of HTML that any browser opens without a network: layers to switch (also those of
  * channels), zoom, the values under the pointer or the finger, and distance and height profile
- * between two places; as good on a phone. It brings Leaflet and its licence along, which Debian's libjs-leaflet has. Throws std::runtime_error that
- * names the file, the layer or the package which is missing. */
+ * between two places; as good on a phone. It brings Leaflet and its licence along, which Debian's
+ * libjs-leaflet has. Throws std::runtime_error that names the file, the layer or the package which
+ * is missing. */
 void write_page(
     const std::string& path, const io::LayerStack& map, const PageOptions& options = PageOptions());
 

@@ -25,10 +25,10 @@ constexpr Rgb pale(const Rgb& c)
   return {half(c[0]), half(c[1]), half(c[2])};
 }
 
-/** The colours of all pictures, pages, windows and styles. Ground is like paper where it drives well
- * and goes over yellow and orange to red where it does not; what stands is dark; what was inferred
- * is pale. Orange is ground that is hard to drive, and nothing else. Who sees no red or no green
- * tells all of one list apart, too. */
+/** The colours of all pictures, pages, windows and styles. Ground is like paper where it drives
+ * well and goes over yellow and orange to red where it does not; what stands is dark; what was
+ * inferred is pale. Orange is ground that is hard to drive, and nothing else. Who sees no red or no
+ * green tells all of one list apart, too. */
 namespace palette
 {
 /// @name Ground by its traversability; see score_colour()
@@ -41,8 +41,9 @@ inline constexpr NamedColour kBlocked{"blocked", {165, 20, 38}}, kHard{"hard", {
 inline constexpr NamedColour kStands{"stands in the way", {38, 42, 58}},
     kInferred{"pale: filled, or not reached", pale(kFree.rgb)},
     kNotJudged{"not judged", {172, 164, 204}},
-    kGuessed{"not judged, or guessed from one side", pale(kNotJudged.rgb)}, kNotSeen{"not seen", {247, 248, 250}},
-    kMayDrop{"may drop", {170, 84, 196}}, kPath{"path driven", {0, 56, 140}};
+    kGuessed{"not judged, or guessed from one side", pale(kNotJudged.rgb)},
+    kNotSeen{"not seen", {247, 248, 250}}, kMayDrop{"may drop", {170, 84, 196}},
+    kPath{"path driven", {0, 56, 140}};
 /// @}
 /// @name Beside these on drives of a simulated robot
 /// @{
