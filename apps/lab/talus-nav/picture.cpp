@@ -65,14 +65,11 @@ cv::Mat ramp(const std::function<cv::Scalar(double)>& colour_of)
 /** Every fourth diagonal of the pixels is darker where something hangs above. */
 bool is_hatched(int x, int y) { return (x + y) % 9 < 2; }
 
-/** A line with an edge, so that it shows on every ground. */
-void draw_path(
-    io::Canvas& canvas, const std::vector<cv::Point2d>& path, const cv::Scalar& colour,
-    const cv::Scalar& edge)
+void draw_route(io::Canvas& canvas, const std::vector<cv::Point2d>& route)
 {
-  if (path.size() < 2) return;
-  canvas.line(path, edge, 6);
-  canvas.line(path, colour, 3);
+  if (route.empty()) return;
+  canvas.line(route, io::kInk, 6);
+  canvas.line(route, io::kPaper, 3);
 }
 
 void draw_cross(io::Canvas& canvas, const cv::Point2d& middle)
@@ -101,26 +98,18 @@ io::Legend legend()
       });
   legend.new_row();
   legend.heading("Drive");
-  legend.mark(
-      {30, 14}, "robot",
-      [](io::Canvas& canvas, cv::Point at)
-      {
-        const cv::Point2d p(at);
-        canvas.polygon(
-            {p, p + cv::Point2d(22, 0), p + cv::Point2d(30, 7), p + cv::Point2d(22, 14),
-             p + cv::Point2d(0, 14)},
-            io::kPaper, io::kInk, 1.5);
-      });
+  legend.robot("robot");
   legend.way_line(palette::kPath.name);
   legend.mark(
       {40, 6}, "route",
       [](io::Canvas& canvas, cv::Point at) {
-        draw_path(canvas, {at + cv::Point(0, 3), at + cv::Point(40, 3)}, io::kPaper, io::kInk);
+        draw_route(canvas, {at + cv::Point(0, 3), at + cv::Point(40, 3)});
       });
   legend.mark(
       {20, 20}, "goal",
       [](io::Canvas& canvas, cv::Point at) { draw_cross(canvas, at + cv::Point(10, 10)); });
   for (const auto& c : {palette::kKnownBlocked, palette::kGiven}) legend.swatch(c);
+  legend.scale_bar(kPixelsPerCell / kCell_m);
   return legend;
 }
 
@@ -143,22 +132,6 @@ cv::Mat draw_legend(int width_px)
   io::Canvas strip(width_px, all.height_px(width_px - 2 * kEdge_px) + 2 * kEdge_px);
   all.draw(strip, {kEdge_px, kEdge_px}, width_px - 2 * kEdge_px);
   return strip.image();
-}
-
-/** How long a metre, or a few, are, in the lower left corner. */
-void draw_scale_bar(io::Canvas& canvas)
-{
-  const int length_m = canvas.image().cols > 1500 ? 5 : 2;
-  const int length_px = static_cast<int>(std::lround(length_m * kPixelsPerCell / kCell_m));
-  const cv::Rect paper(10, canvas.image().rows - 44, length_px + 24, 34);
-  const int left = paper.x + 12, y = paper.y + 25;
-  canvas.fill(paper, io::kPaper);
-  canvas.frame(paper, io::kFaintInk);
-  canvas.fill({left, y - 2, length_px, 4}, io::kInk);
-  for (const int x : {left, left + length_px - 2}) canvas.fill({x, y - 6, 2, 8}, io::kInk);
-  canvas.text(
-      std::to_string(length_m) + " m", left + length_px / 2.0, paper.y + 11,
-      {10, io::kInk, false, io::Anchor::Middle, io::Anchor::Middle, false});
 }
 
 /** With paper to its right where it is narrower. */
@@ -256,8 +229,8 @@ cv::Mat Painter::with_mission(
   std::vector<cv::Point2d> way, driven;
   for (const auto& p : route.way()) way.push_back(pixel(p.x_m, p.y_m));
   for (const auto& s : mission.steps) driven.push_back(pixel(s.x_m, s.y_m));
-  draw_path(canvas, way, io::kPaper, io::kInk);
-  draw_path(canvas, driven, io::bgr(palette::kPath.rgb), io::kPaper);
+  draw_route(canvas, way);
+  io::draw_way_line(canvas, driven, 3);
   paint_robot(canvas, at);
   const double c = std::cos(at.yaw_rad), s = std::sin(at.yaw_rad);
   for (std::size_t i = 0; i < pilot.obstacles().size(); i++)
@@ -268,7 +241,6 @@ cv::Mat Painter::with_mission(
     canvas.fill({middle - cv::Point(2, 2), cv::Size(5, 5)}, io::bgr(palette::kGiven.rgb));
   }
   draw_cross(canvas, pixel(options_.goal.x, options_.goal.y));
-  draw_scale_bar(canvas);
   return canvas.image();
 }
 

@@ -107,7 +107,7 @@ std::vector<Tile> stages(Worlds& worlds)
       tile("2, 3  Roll, update", "all scans so far: tops", map, "elevation"),
       tile("3  Update", "measured ground", measured, "ground_elevation"),
       tile("1  Accept", "variance of the ground", map, "variance"),
-      tile("4  Classify", "what is to be inferred: grey", inferred, "state"),
+      tile("4  Classify", "what is to be inferred: white", inferred, "state"),
       tile("5  Cleanup", "people walked here: no trail", people, "traversability"),
       tile("6  Fill", "where the ground comes from", map, "state"),
       tile("6  Fill", "measured and filled ground", map, "ground_elevation"),

@@ -18,7 +18,7 @@ using io::Canvas;
 using io::Palette;
 using io::TextStyle;
 
-constexpr int kEdge_px = 12, kTitle_px = 40, kGap_px = 10, kWideGap_px = 28, kLegendRow_px = 26;
+constexpr int kEdge_px = 12, kTitle_px = 40, kGap_px = 10, kWideGap_px = 28;
 constexpr float kHeightSpan_m = 0.6F;  // of the colours: small steps shall show
 const TextStyle kTitle{9, io::kInk, true, Anchor::Start, Anchor::Middle, false};
 const TextStyle kWords{8, io::kFaintInk, false, Anchor::Start, Anchor::Middle, false};
@@ -88,14 +88,16 @@ cv::Mat draw_sheet(
     const std::vector<Tile>& tiles, int columns, int together, const std::string& words,
     SheetLegend explained)
 {
-  const bool of_scores = explained == SheetLegend::Scores;
-  const int legend_px = (of_scores ? 1 : 2) * kLegendRow_px;
   const int tile_px = tiles.front().image.cols, count = static_cast<int>(tiles.size());
   const int rows = (count + columns - 1) / columns;
   const auto left_of = [&](int column)
   { return kEdge_px + column * (tile_px + kGap_px) + column / together * (kWideGap_px - kGap_px); };
+  io::Legend all = legend(explained == SheetLegend::Scores);
+  all.mark({0, 0}, words, [](Canvas&, cv::Point) {});
+  const int width_px = left_of(columns - 1) + tile_px - kEdge_px;
+  const int legend_px = all.height_px(width_px);
   Canvas canvas(
-      left_of(columns - 1) + tile_px + kEdge_px,
+      width_px + 2 * kEdge_px,
       kEdge_px + rows * (kTitle_px + tile_px + kGap_px) + legend_px + kEdge_px);
   for (int i = 0; i < count; ++i)
   {
@@ -109,11 +111,7 @@ cv::Mat draw_sheet(
     const double middle = tile_px / 2.0;
     io::draw_robot(canvas, {x + middle, y + kTitle_px + middle}, 0, 12);
   }
-  io::Legend all = legend(of_scores);
-  all.mark({0, 0}, words, [](Canvas&, cv::Point) {});
-  all.draw(
-      canvas, {kEdge_px, canvas.image().rows - kEdge_px - legend_px},
-      canvas.image().cols - 2 * kEdge_px);
+  all.draw(canvas, {kEdge_px, canvas.image().rows - kEdge_px - legend_px}, width_px);
   return canvas.image();
 }
 

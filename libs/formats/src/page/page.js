@@ -189,7 +189,8 @@
   for (const [name, colour] of Object.entries(layers))
     base[name] = new CellLayer(colour);
   const changes = d.has_changes && new CellLayer(changes_colour, {zIndex: 5});
-  const ways = L.layerGroup(d.ways.map(way => L.polyline(way.map(p => [p[1], p[0]]), {color: `rgb(${p.path.rgb})`, weight: 3})));
+  const ways = L.layerGroup([['#fff', 6], [`rgb(${p.path.rgb})`, 3]].flatMap(([color, weight]) =>
+    d.ways.map(way => L.polyline(way.map(at => [at[1], at[0]]), {color, weight}))));
   if (d.ways.length) overlays['Path driven'] = ways;
   if (changes) overlays['Changes'] = changes;
 

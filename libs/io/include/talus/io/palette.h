@@ -41,14 +41,14 @@ inline constexpr NamedColour kBlocked{"blocked", {165, 20, 38}}, kHard{"hard", {
 inline constexpr NamedColour kStands{"stands in the way", {38, 42, 58}},
     kInferred{"pale: filled, or not reached", pale(kFree.rgb)},
     kNotJudged{"not judged", {172, 164, 204}},
-    kGuessed{"not judged, or guessed from one side", pale(kNotJudged.rgb)},
+    kGuessed{"not judged, or guessed", pale(kNotJudged.rgb)},
     kNotSeen{"not seen", {247, 248, 250}}, kMayDrop{"may drop", {170, 84, 196}},
     kPath{"path driven", {0, 56, 140}};
 /// @}
 /// @name Beside these on drives of a simulated robot
 /// @{
-inline constexpr NamedColour kKnownBlocked{"blocked, as the robot knows", {50, 125, 205}},
-    kGiven{"obstacles given to the navigator", {60, 200, 215}};
+inline constexpr NamedColour kKnownBlocked{"blocked, as the robot knows", {0, 125, 125}},
+    kGiven{"obstacles given to the navigator", {48, 24, 240}};
 /// @}
 /** Where the ground height comes from, by CellState; the last one: measured and not reached. */
 inline constexpr std::array<NamedColour, kCellStates + 1> kStates{
