@@ -24,7 +24,7 @@ namespace palette = io::palette;
 /** How well a cell drives that is no obstacle: from hard to free. */
 cv::Scalar drivable_colour(double traversability)
 {
-  return io::bgr(io::score_colour(static_cast<float>(0.3 + 0.6 * traversability)));
+  return io::bgr(io::score_colour(static_cast<float>(0.3 + 0.7 * traversability)));
 }
 
 sim::Truth truth_around(

@@ -299,7 +299,7 @@
     }
     document.getElementById('values').innerHTML = rows(list);
   }
-  const touched = matchMedia('(hover: none)').matches;
+  const touched = navigator.maxTouchPoints > 0 && matchMedia('(hover: none)').matches;
   document.getElementById('values').textContent = touched
     ? 'Tap a place for its values, then another one for the profile between them.'
     : 'Point at a place for its values. Click two places for the profile between them.';
