@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """Pages are true: links lead to files and headings that exist, commands and their long options to those that there are.
+They are short, --help is not wide, and pictures are as new as the palette and the scenes that made them.
 
   test/pages.py SOURCE_DIR [BIN_DIR]
+  test/pages.py SOURCE_DIR --made PICTURE    notes that it was made of what is there now (./dev pictures)
 
 Without BIN_DIR (where the commands of talus were built) commands are not looked at. Exit code 1 with a line for each that
 is wrong.
 """
 import glob
+import hashlib
 import os
 import re
 import shlex
@@ -119,14 +122,68 @@ def wrong_commands(page, helps):
                 yield f"{page}:{number}: there is no file {word}"
 
 
+def wrong_helps(helps):
+    for program, said in helps.known.items():
+        for line in (said or "").splitlines():
+            if len(line) > 100:
+                yield f"{program} --help has a line of more than 100 columns: {line}"
+
+
+def wrong_lengths():
+    """Of the pages for users."""
+    words = 0
+    for page in ["README.md"] + glob.glob("doc/*.md"):
+        with open(page, encoding="utf-8") as file:
+            text = file.read()
+        words += len(text.split())
+        if text.count("\n") > 200:
+            yield f"{page} has more than 200 lines: what was tried belongs into doc/notes/"
+    if words > 16000:
+        yield f"the pages for users have {words} words, more than 16,000"
+
+
+MADE_OF = "doc/images/made_of.txt"  # a line each: picture, digest, what it is made of
+
+
+def made_of():
+    with open(MADE_OF, encoding="utf-8") as lines:
+        for line in lines:
+            picture, digest, *files = line.split()
+            sums = hashlib.sha256()
+            for file in files + ["libs/io/include/talus/io/palette.h"]:
+                with open(file, "rb") as content:
+                    sums.update(content.read())
+            yield picture, digest, sums.hexdigest()[:16], files
+
+
+def wrong_pictures():
+    known = []
+    for picture, digest, now, files in made_of():
+        known.append("doc/images/" + picture)
+        if digest != now:
+            yield f"doc/images/{picture} is older than the palette or {' '.join(files)}: ./dev pictures"
+    for picture in glob.glob("doc/images/*.png") + glob.glob("doc/images/*.webp"):
+        if picture not in known:
+            yield f"{picture} is not in {MADE_OF}"
+
+
+def note_made(made):
+    lines = [" ".join([picture, now if picture == made else digest, *files]) for picture, digest, now, files in made_of()]
+    with open(MADE_OF, "w", encoding="utf-8") as file:
+        file.write("\n".join(lines) + "\n")
+
+
 def main():
     os.chdir(sys.argv[1])
+    if len(sys.argv) > 3:
+        return note_made(sys.argv[3])
     folders = ("", "doc/", "doc/notes/", "datasets/", "kernels/")
     pages = sorted(page for folder in folders for page in glob.glob(folder + "*.md"))
-    wrong = [line for page in pages for line in wrong_links(page)]
+    wrong = [line for page in pages for line in wrong_links(page)] + list(wrong_lengths()) + list(wrong_pictures())
     if len(sys.argv) > 2:
         helps = Helps(sys.argv[2])
         wrong += [line for page in pages for line in wrong_commands(page, helps)]
+        wrong += wrong_helps(helps)
         count = sum(1 for page in pages for _ in commands(page))
         print(f"{count} commands")
         if count < 20:

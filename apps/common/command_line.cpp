@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
@@ -32,10 +33,51 @@ std::string unknown_option(const CLI::App& app)
   }
   return "";
 }
+
+/** The words of a text in lines of at most `columns`. */
+std::string wrapped(const std::string& text, std::size_t columns)
+{
+  std::istringstream words(text);
+  std::string all, line;
+  for (std::string word; words >> word;)
+  {
+    if (!line.empty() && line.size() + 1 + word.size() > columns)
+    {
+      all += line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return all + line;
+}
+
+/** Defaults in one form, at the end of what an option does, and no line of more than 100 columns.
+ */
+class HelpFormatter : public CLI::Formatter
+{
+ public:
+  std::string make_option_opts(const CLI::Option* option) const override
+  {
+    std::string text = Formatter::make_option_opts(option);
+    const std::string value = "=" + option->get_default_str();
+    if (const auto at = text.find(value); value.size() > 1 && at != std::string::npos)
+      text.erase(at, value.size());
+    return text;
+  }
+  std::string make_option_desc(const CLI::Option* option) const override
+  {
+    constexpr std::size_t kColumns = 100;
+    const std::string value = option->get_default_str();
+    return wrapped(
+        option->get_description() + (value.empty() ? "" : " (default: " + value + ")"),
+        kColumns - get_column_width());
+  }
+};
 }  // namespace
 
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv)
 {
+  app.formatter(std::make_shared<HelpFormatter>());
   app.failure_message(
       [](const CLI::App* a, const CLI::Error& e)
       {
@@ -98,7 +140,7 @@ CLI::Option* add_mounting(
   {
     try
     {
-      value = mounting_from_text(text);
+      value = mounting_from_text(text.substr(text.rfind('=') + 1));
     }
     catch (const std::invalid_argument& wrong)
     {
@@ -106,7 +148,7 @@ CLI::Option* add_mounting(
     }
   };
   return app.add_option_function<std::string>(name, read, help + " [m, degrees]")
-      ->type_name(kMountingForm);
+      ->type_name("[LABEL=]" + std::string(kMountingForm));
 }
 
 namespace

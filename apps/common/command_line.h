@@ -82,7 +82,8 @@ CLI::Option* add_checked(
   return add_optional(app, name, value, help)->check(check)->type_name(type);
 }
 
-/** Adds an option that takes a mounting; empty while it is not given. */
+/** Adds an option that takes a mounting of the one sensor, whose label may stand before it; empty
+ * while it is not given. */
 CLI::Option* add_mounting(
     CLI::App& app, const std::string& name, std::optional<Mounting>& value,
     const std::string& help);

@@ -31,6 +31,12 @@ std::string name_of_log(const std::string& log) { return label(without_endings(l
 
 std::string name_of_world(const std::string& world) { return label(fs::path(world).stem()); }
 
+std::string name_of_map(const std::string& geotiff)
+{
+  const fs::path file = fs::absolute(geotiff);
+  return (file.parent_path().filename() / file.stem()).string();
+}
+
 std::string trajectory_beside(const std::string& log)
 {
   return (fs::path(log).parent_path() / (without_endings(log) + ".tum")).string();

@@ -11,6 +11,9 @@ std::string name_of_log(const std::string& log);
 /** The same for a world, without the ending of its file. */
 std::string name_of_world(const std::string& world);
 
+/** "monday/site" for "logs/monday/site.tif": its file alone is called like all others. */
+std::string name_of_map(const std::string& geotiff);
+
 /** NAME.tum beside NAME.rawlog, whether there is such a file or not. */
 std::string trajectory_beside(const std::string& log);
 

@@ -91,6 +91,8 @@ int drive(const std::string& file)
     navigator.navigationStep();
     if (std::abs(robot.pose.x() - kGoalX_m) < 0.4) break;
     move(robot);
+    if (std::fmod(time_s + kStep_s / 2, 5) < kStep_s)
+      std::printf("%2.0f s: %.1f m to the goal\n", time_s, kGoalX_m - robot.pose.x());
     aside_m = std::min(aside_m, robot.pose.y());
   }
   const bool arrived = std::abs(robot.pose.x() - kGoalX_m) < 0.5;

@@ -4,6 +4,7 @@
 
 #include <picture_canvas.h>
 #include <picture_panel.h>
+#include <picture_style.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,7 @@ using io::Canvas;
 using io::TextStyle;
 
 constexpr int kPlotWidth = 520, kPlotHeight = 340, kTop = 130, kLeft = 90, kStep = 660;
-const cv::Scalar kBeforeColour(60, 110, 225), kAfterColour(170, 110, 30);
+const cv::Scalar kBeforeColour = io::kFaintInk, kAfterColour(io::bgr(io::palette::kPath.rgb));
 
 /** One diagram: a quantity over the range. */
 struct Plot
@@ -46,7 +47,7 @@ void draw_axes(Canvas& canvas, const Plot& p, const std::string& title)
   for (const double v : heights)
   {
     const int y = static_cast<int>(std::lround(p.py(v)));
-    canvas.horizontal(p.x, p.x + kPlotWidth - 1, y, io::kUnknownColour);
+    canvas.horizontal(p.x, p.x + kPlotWidth - 1, y, io::kGridInk);
     canvas.text(io::tick_text(v, heights[1] - heights[0]), p.x - 8, y, left);
   }
   const auto ranges = io::ticks_between(0, p.far_m, 8);
@@ -60,21 +61,14 @@ void draw_line(
     Canvas& canvas, const Plot& p, const std::vector<RangeBin>& bins, double RangeBin::*value,
     const cv::Scalar& colour)
 {
-  cv::Point2d last;
-  for (std::size_t i = 0; i < bins.size(); ++i)
+  std::vector<cv::Point2d> middles;
+  for (const RangeBin& bin : bins)
   {
-    const cv::Point2d at(p.px((bins[i].from_m + bins[i].to_m) / 2), p.py(1000 * (bins[i].*value)));
-    if (i > 0)
-    {
-      const cv::Point2d along = at - last, side = cv::Point2d(-along.y, along.x) / cv::norm(along);
-      canvas.polygon({last + side, at + side, at - side, last - side}, colour, colour, 0);
-    }
-    canvas.polygon(
-        {at + cv::Point2d(-4, -4), at + cv::Point2d(4, -4), at + cv::Point2d(4, 4),
-         at + cv::Point2d(-4, 4)},
-        colour, colour, 0);
-    last = at;
+    const cv::Point2d at(p.px((bin.from_m + bin.to_m) / 2), p.py(1000 * (bin.*value)));
+    middles.push_back(at);
+    canvas.fill({cv::Point(at) - cv::Point(4, 4), cv::Size(9, 9)}, colour);
   }
+  canvas.line(middles, colour, 2);
 }
 
 /** Least and greatest of a quantity over both estimates, in mm. */

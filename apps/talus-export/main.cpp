@@ -4,6 +4,7 @@
 #include "../common/crash_context.h"
 #include "../common/export/export_files.h"
 #include "../common/export/export_formats.h"
+#include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/run_app.h"
 
@@ -127,11 +128,6 @@ void add_options(CLI::App& app, Options& options)
 constexpr const char* kLessMemory =
     "The map is read as a whole: cut out a part of it with gdal_translate, or take a machine with "
     "more memory";
-/** "monday/site" for "logs/monday/site.tif". */
-std::string title_of(const fs::path& file)
-{
-  return (fs::absolute(file).parent_path().filename() / file.stem()).string();
-}
 
 std::string folder_for(const std::string& file, const Options& o)
 {
@@ -191,7 +187,7 @@ int export_all(const Options& o, const Folders& folders)
   {
     const OutputFolder& folder = *folders.at(folder_for(file, o));
     const app::Exported exported = app::export_files(
-        map, folder.staging(), o.title.empty() ? title_of(file) : o.title, o.exports);
+        map, folder.staging(), o.title.empty() ? app::name_of_map(file) : o.title, o.exports);
     for (const std::string& note : exported.notes) print_error(folder.shown("warning: " + note));
     for (const std::string& error : exported.errors) print_error(folder.shown(error));
     if (!exported.errors.empty()) code = 1;

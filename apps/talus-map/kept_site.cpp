@@ -171,9 +171,11 @@ io::SiteSummary KeptSite::summary()
   return s;
 }
 
-void KeptSite::write(const std::string& folder, const site::Progress& progress)
+void KeptSite::write(
+    const std::string& folder, const std::string& name, const site::Progress& progress)
 {
   const fs::path to(folder);
+  site_.name = name;
   site::write_site_files(
       (to / "site.tif").string(), (to / "site.png").string(), site_, progress, far_);
   if (const site::Traffic* traffic = mapper_->traffic())

@@ -36,9 +36,9 @@ class KeptSite
   /** Where on Earth; with fixes of a satellite receiver from finish() on. */
   const std::optional<site::GeoOrigin>& origin() const { return site_.origin; }
   /** Writes site.tif, site_island_1.tif, site_floor_1.tif ..., and a picture of each, into a
-   * folder; with --traffic also traffic.tif, traffic_floor_1.tif and so on. Throws
-   * std::runtime_error naming the file. */
-  void write(const std::string& folder, const site::Progress& progress);
+   * folder, titled by `name`; with --traffic also traffic.tif, traffic_floor_1.tif and so on.
+   * Throws std::runtime_error naming the file. */
+  void write(const std::string& folder, const std::string& name, const site::Progress& progress);
 
  private:
   void resume(const std::string& path, const std::vector<Channel>& channels);

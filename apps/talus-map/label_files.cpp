@@ -5,7 +5,7 @@
 #include <mrpt/core/format.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <talus/io/atomic_file.h>
-#include <talus/io/score_colour.h>
+#include <talus/io/palette.h>
 #include <talus/mrpt/CDualElevationMap.h>
 
 #include <filesystem>
@@ -36,7 +36,7 @@ std::string table_of(const std::array<std::uint64_t, kPointLabelCount>& counts)
   std::string names, colours, shares;
   for (std::size_t i = 0; i < kPointLabelCount; ++i)
   {
-    const auto rgb = io::label_colour(static_cast<PointLabel>(i));
+    const io::Rgb& rgb = io::palette::kLabels[i].rgb;
     const double share = all ? static_cast<double>(counts[i]) / static_cast<double>(all) : 0.0;
     names += mrpt::format("  %zu: \"%s\"\n", i, kPointLabelNames[i]);
     colours += mrpt::format("  %zu: [%d, %d, %d]\n", i, rgb[2], rgb[1], rgb[0]);

@@ -226,7 +226,9 @@ void LogMapper::note_way()
   constexpr double kApart_m = 0.1;
   constexpr std::size_t kMax = 5000;
   const cv::Point2d at(last_T_map_base_.x(), last_T_map_base_.y());
-  if (!last_way_.empty() && cv::norm(at - last_way_.back()) < kApart_m) return;
+  const double step_m = last_way_.empty() ? HUGE_VAL : cv::norm(at - last_way_.back());
+  if (step_m < kApart_m) return;
+  if (!last_way_.empty()) driven_m_ += step_m;
   last_way_.push_back(at);
   if (last_way_.size() > kMax) last_way_.pop_front();
 }

@@ -51,6 +51,8 @@ class LogMapper
   const mrpt::poses::CPose3D& last_base() const { return last_T_map_base_; }
   /** The last part of the way of the base, map frame [m], for pictures. */
   const std::deque<cv::Point2d>& last_way() const { return last_way_; }
+  /** How long all of it is. */
+  double driven_m() const { return driven_m_; }
   /// @name Of the scan, or the part of one, that was read last
   /// @{
   const mrpt::poses::CPose3D& last_sensor() const { return scan_.T_base_sensor; }
@@ -112,6 +114,7 @@ class LogMapper
   hints::HintFinder hints_;
   mrpt::poses::CPose3D last_T_map_base_;
   std::deque<cv::Point2d> last_way_;
+  double driven_m_ = 0;
   mrpt::system::TTimeStamp last_stamp_;
   std::string last_label_;
   std::map<std::string, LastScan> last_scans_;  //!< by sensor label

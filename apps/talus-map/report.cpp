@@ -7,8 +7,6 @@
 #include <talus/io/summary_json.h>
 
 #include <algorithm>
-#include <array>
-#include <ctime>
 #include <filesystem>
 
 namespace fs = std::filesystem;
@@ -17,19 +15,6 @@ namespace talus::app
 {
 namespace
 {
-/** "2014-11-10 11:34:12 UTC", or plain seconds where a stamp counts from elsewhere. */
-std::string date_of(double stamp_s)
-{
-  constexpr double kYear1980_s = 315532800.0, kYear2200_s = 7258118400.0;
-  if (!(stamp_s > kYear1980_s && stamp_s < kYear2200_s)) return mrpt::format("t = %.3f s", stamp_s);
-  const auto seconds = static_cast<std::time_t>(stamp_s);
-  std::tm utc{};
-  ::gmtime_r(&seconds, &utc);
-  std::array<char, 40> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S UTC", &utc);
-  return text.data();
-}
-
 void write_map(
     const std::string& tif, const std::string& png, const io::LayerStack& map,
     const LogMapper& mapper, const std::optional<io::GeoOrigin>& origin)
@@ -50,8 +35,10 @@ void write_map(
        {"ROBOT_YAW_RAD", mrpt::format("%.6f", robot.yaw())}},
       origin);
   io::PictureOptions picture;
-  picture.title =
-      mrpt::format("%s, frame %zu, ", log.c_str(), run.frames.size()) + date_of(stamp_s);
+  const std::string date = io::date_text(stamp_s);
+  picture.title = mrpt::format("%s, frame %zu, ", log.c_str(), run.frames.size()) +
+                  (date.empty() ? mrpt::format("t = %.3f s", stamp_s) : date);
+  picture.driven_m = mapper.driven_m();
   picture.has_robot = true;
   picture.robot_x_m = robot.x();
   picture.robot_y_m = robot.y();

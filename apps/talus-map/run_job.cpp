@@ -118,7 +118,9 @@ bool write_site(KeptSite& site, const OutputFolder& output, io::RunSummary& run,
 {
   try
   {
-    site.write(output.staging(), [&](double done) { bar.show(done, "writing site.tif"); });
+    site.write(
+        output.staging(), fs::path(run.log).filename().string(),
+        [&](double done) { bar.show(done, "writing site.tif"); });
     return true;
   }
   catch (const std::exception& e)

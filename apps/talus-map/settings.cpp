@@ -78,7 +78,10 @@ void load_file(const std::string& path, Settings& s)
       cfg, {kPrefix + std::string("_creationOpts"), kPrefix + std::string("_insertOpts")});
   const std::string prefix = find_prefix(path, cfg);
   for (const auto& warning : load_parameters(cfg, prefix, s.parameters))
-    s.warnings.push_back(path + ": " + warning);
+    if (warning.rfind("unknown key", 0) == 0)  // as of --set
+      throw std::runtime_error(path + ": " + warning);
+    else
+      s.warnings.push_back(path + ": " + warning);
   constexpr int kAny = -1;
   int device = kAny;
   load_execution(cfg, prefix, s.backend, s.threads, device);

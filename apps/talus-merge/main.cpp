@@ -2,6 +2,7 @@
 #include "../common/child_process.h"
 #include "../common/command_line.h"
 #include "../common/export/export_formats.h"
+#include "../common/log_name.h"
 #include "../common/output_folder.h"
 #include "../common/progress_bar.h"
 #include "../common/run_app.h"
@@ -172,6 +173,15 @@ void print_fits(
 
 std::string name_of(const std::string& file) { return fs::path(file).filename().string(); }
 
+std::string title_of(const std::vector<std::string>& files)
+{
+  constexpr std::size_t kMaxNamed = 3;
+  if (files.size() > kMaxNamed) return std::to_string(files.size()) + " maps";
+  std::string all;
+  for (const std::string& file : files) all += (all.empty() ? "" : " + ") + app::name_of_map(file);
+  return all;
+}
+
 std::string folder_of(const std::string& file)
 {
   const fs::path folder = fs::path(file).parent_path();
@@ -191,6 +201,7 @@ std::vector<MapFit> merge(
 {
   ProgressBar bar("talus-merge", !o.quiet);
   Site site(info_of_site(o.inputs.front()).resolution_m, memory_bytes(o), staging);
+  site.name = title_of(o.inputs);
   const int floor = lowest_floor(o.inputs);
   MergeOptions options = o.merge;
   for (const Alignment& a : alignments) options.shifts.push_back(a.shift);
@@ -253,6 +264,7 @@ void compare(const Options& o, const fs::path& to_folder)
         info_of_site(o.inputs.front()).resolution_m, memory_bytes(o) / 2,
         (to_folder / tiles).string());
     read_site_files(path, *site, a.shift);
+    site->name = app::name_of_map(path);
     return site;
   };
   warn_of_order(o.inputs[0], o.inputs[1]);

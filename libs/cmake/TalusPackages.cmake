@@ -70,12 +70,18 @@ file(STRINGS "${PROJECT_SOURCE_DIR}/CHANGELOG.md" released LIMIT_COUNT 1 REGEX "
 string(REGEX REPLACE ".* - " "" released "${released}")
 file(READ "${PROJECT_SOURCE_DIR}/LICENSE" licence)
 string(REGEX REPLACE "^[^\n]*\n\n[^\n]*\n\n" "" licence "${licence}")
-string(REGEX REPLACE "\n\n" "\n.\n" licence "${licence}")
-string(REGEX REPLACE "\n$" "" licence "${licence}")
-string(REPLACE "\n" "\n " licence "${licence}")
+file(READ "${PROJECT_SOURCE_DIR}/libs/formats/src/page/leaflet_licence.txt" leaflet)
+foreach(text licence leaflet)  # paragraphs as Debian has them
+  string(REGEX REPLACE "\n\n" "\n.\n" ${text} "${${text}}")
+  string(REGEX REPLACE "\n$" "" ${text} "${${text}}")
+  string(REPLACE "\n" "\n " ${text} "${${text}}")
+endforeach()
 set(debian "${PROJECT_BINARY_DIR}/debian")
 file(WRITE "${debian}/copyright" "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
-Upstream-Name: talus\n\nFiles: *\nCopyright: 2026, the talus authors\nLicense: BSD-3-Clause\n ${licence}\n")
+Upstream-Name: talus\n\nFiles: *\nCopyright: 2026, the talus authors\nLicense: BSD-3-Clause\n ${licence}\n
+Files: libs/formats/src/page/leaflet_licence.txt\nCopyright: 2010-2019, Vladimir Agafonkin\n 2010-2011, CloudMade
+Comment: talus-export puts Leaflet, of libjs-leaflet, into the pages that it writes.
+License: BSD-2-Clause\n ${leaflet}\n")
 execute_process(COMMAND date -R -u -d "${released}" OUTPUT_VARIABLE date OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 file(WRITE "${debian}/changelog.Debian" "talus (${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) ${codename}; urgency=medium
 

@@ -1,6 +1,7 @@
 """Opens a page of talus-export in headless Chromium.
 
-PAGE: of test/support/small_terrain.h; moves the pointer, clicks twice, switches layers, and checks what is shown.
+PAGE: of test/support/small_terrain.h; moves the pointer, clicks twice, switches layers, and checks what is shown, on a
+desktop and on a phone.
 PAGE PICTURE: takes a picture of part of it with the values under the pointer and a profile.
 Exit code 77 where there is no browser."""
 import os
@@ -20,10 +21,13 @@ if not os.path.exists('/usr/bin/chromedriver'):
     sys.exit(77)
 
 
-def browser():
+def browser(phone=False):
     options = webdriver.ChromeOptions()
     for a in ('--headless=new', '--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage', '--window-size=1180,720', '--hide-scrollbars'):
         options.add_argument(a)
+    if phone:
+        options.add_experimental_option(
+            'mobileEmulation', {'deviceMetrics': {'width': 390, 'height': 844, 'pixelRatio': 2, 'touch': True}})
     options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
     return webdriver.Chrome(options=options, service=Service('/usr/bin/chromedriver'))
 
@@ -77,6 +81,24 @@ def check_channels(page, layers, text):
     assert 'class 7' in text('legend'), text('legend')
 
 
+def check_layout(page, hint):
+    """Two places give a profile, all of it is on the screen, and nothing lies over a switch."""
+    text = lambda of: page.find_element(By.ID, of).text
+    assert hint in text('values'), text('values')
+    assert 'm² known' in text('legend'), text('legend')
+    for x_m, y_m in ((-0.5, 4.0), (3.5, 4.0)):
+        point_at(page, x_m, y_m, click=True)
+        wait_for('values', lambda: 'ground' in text('values') or 'distance' in text('profile'))
+    wait_for('profile', lambda: page.find_elements(By.CSS_SELECTOR, '#profile svg path'))
+    outside = page.execute_script(
+        'const inside = (r, w) => r.left >= 0 && r.top >= 0 && r.right <= w.innerWidth && r.bottom <= w.innerHeight;'
+        'return [...document.querySelectorAll(".leaflet-control-layers label, #profile, #legend")].filter(e => {'
+        ' const r = e.getBoundingClientRect();'
+        ' return !inside(r, window) || !e.contains(document.elementFromPoint(r.x + r.width / 2, r.y + r.height / 2));'
+        '}).map(e => e.id || e.textContent)')
+    assert not outside, outside
+
+
 def check(page):
     text = lambda of: page.find_element(By.ID, of).text
     point_at(page, 1.25, 3.25)  # on the box
@@ -96,7 +118,7 @@ def check(page):
     assert [l.text for l in layers][:3] == ['Traversability', 'Ground', 'Hill-shade'], [l.text for l in layers]
     for layer in layers:
         layer.click()
-        wait_for('legend of ' + layer.text, lambda: layer.text.strip().lower() in text('legend'))
+        wait_for('legend of ' + layer.text, lambda: layer.text.strip() in text('legend'))
         # All cells that are known are painted.
         painted = lambda: page.execute_script(
             'let n = 0; for (const c of document.querySelectorAll(".leaflet-tile-pane canvas"))'
@@ -111,9 +133,19 @@ def check(page):
     assert not errors, errors
 
 
-page = browser()
-try:
-    show(page)
-    take_picture(page, sys.argv[2]) if len(sys.argv) > 2 else check(page)
-finally:
-    page.quit()
+def with_browser(phone, *steps):
+    page = browser(phone)
+    try:
+        show(page)
+        for step in steps:
+            step(page)
+    finally:
+        page.quit()
+
+
+if len(sys.argv) > 2:
+    with_browser(False, lambda page: take_picture(page, sys.argv[2]))
+else:
+    if 'channels' not in sys.argv[1]:  # whose switches scroll on a phone
+        with_browser(True, lambda page: check_layout(page, 'Tap a place'))
+    with_browser(False, lambda page: check_layout(page, 'Click two places'), check)

@@ -220,7 +220,10 @@ TEST_F(TalusExport, says_what_is_wrong)
 
 TEST_F(TalusExport, the_page_works_in_a_browser)
 {
-  runs("site.tif --to html");
+  runs("site.tif --to html --title '<img src=x onerror=alert()><script>alert()</script>'");
+  EXPECT_NE(
+      read_bytes(dir_ / "site.html").find("Copyright (c) 2010-2019, Vladimir Agafonkin"),
+      std::string::npos);
   const CommandEnd o = shell("/usr/bin/python3 " TALUS_BROWSER_SCRIPT " site.html");
   if (o.code == 77) GTEST_SKIP() << o.text;
   EXPECT_EQ(o.code, 0) << o.text;

@@ -474,7 +474,6 @@ TEST_F(TalusImport, names_mistakes_of_its_command_line)
   fails("lidar", 2, {"--output is required"});
   fails("lidar --output log", 2, {"ends in .rawlog"});
   fails("lidar --output log.rawlog --mount lidar=1,2,3", 2, {"fewer than six numbers"});
-  fails("lidar --output log.rawlog --mount 1,2,3,4,5,6", 2, {"LABEL=X,Y,Z"});
   fails("lidar --output log.rawlog --mount l=1,2,3,4,5,nan", 2, {"'nan'"});
   fails("lidar --output log.rawlog --rate 0", 2, {"--rate"});
   fails("--help", 0, {"Examples:", "sequences/00", "Exit codes"});

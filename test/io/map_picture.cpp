@@ -1,12 +1,11 @@
 #include <gtest/gtest.h>
 #include <talus/io/map_picture.h>
-#include <talus/io/score_colour.h>
+#include <talus/io/palette.h>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -73,8 +72,10 @@ Patch patch_of(const cv::Mat& picture, const cv::Vec3b& bgr)
 
 /// @name Colours of the large map, BGR
 /// @{
-const cv::Vec3b kBlocked(43, 76, 149), kFree(200, 145, 64), kUnknown(224, 221, 219),
-    kNotJudged(190, 162, 190), kStands(66, 48, 52), kWay(96, 0, 128);
+cv::Vec3b bgr(const NamedColour& c) { return {c.rgb[2], c.rgb[1], c.rgb[0]}; }
+const cv::Vec3b kBlocked = bgr(palette::kBlocked), kFree = bgr(palette::kFree),
+                kUnknown = bgr(palette::kNotSeen), kNotJudged = bgr(palette::kNotJudged),
+                kStands = bgr(palette::kStands), kWay = bgr(palette::kPath);
 /// @}
 constexpr int kLarge_px = 960 * 960, kSmall_px = 200 * 200;
 
@@ -136,34 +137,15 @@ TEST(MapPicture, shows_ground_that_was_not_judged_in_another_colour_than_what_is
   EXPECT_GT(not_judged.y, unknown.y);
 }
 
-TEST(ScoreColour, tells_blocked_from_free_by_lightness_too)
+TEST(MapPicture, judges_a_free_guess_from_one_side_no_more_than_a_site_does)
 {
-  const auto lightness = [](float score)
+  LayerStack stack = stack_of({"state", "traversability"}, [](int, int) { return 3.0F; });
+  for (const bool is_site : {false, true})
   {
-    const auto c = score_colour(score);
-    const cv::Mat3b rgb(1, 1, cv::Vec3b(c[0], c[1], c[2]));
-    cv::Mat3b lab;
-    cv::cvtColor(rgb, lab, cv::COLOR_RGB2Lab);
-    return 100.0 / 255 * lab(0, 0)[0];
-  };
-  EXPECT_LT(lightness(0), 36);
-  EXPECT_GT(lightness(1), lightness(0) + 14);
-  EXPECT_GT(lightness(0.5F), 85);
-  for (int tenth = 1; tenth <= 5; ++tenth)
-  {
-    const float step = 0.1F * static_cast<float>(tenth);
-    EXPECT_GT(lightness(step), lightness(step - 0.1F)) << step;
-    EXPECT_GT(lightness(1 - step), lightness(1.1F - step)) << step;
+    if (is_site) stack.names.emplace_back("age"), stack.layers.push_back(stack.layers[0]);
+    const int guessed = patch_of(draw_map(stack), bgr(palette::kGuessed)).count;
+    EXPECT_EQ(guessed > kLarge_px / 2, !is_site) << "of a site rays have proved it";
   }
-}
-
-TEST(ScoreColour, is_blue_where_free_and_orange_where_blocked)
-{
-  const auto free = score_colour(1), blocked = score_colour(0), beyond = score_colour(7);
-  EXPECT_GT(free[2], free[0] + 100);
-  EXPECT_GT(blocked[0], blocked[2] + 100);
-  EXPECT_EQ(beyond, free);
-  EXPECT_EQ(score_colour(kNan), (std::array<std::uint8_t, 3>{178, 146, 178}));
 }
 
 TEST(MapPicture, shows_the_traversability_large_and_every_other_layer_small_beside_it)

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <oblique.h>
+#include <picture_style.h>
 
 using namespace talus;
 using namespace talus::pictures;
@@ -44,8 +45,13 @@ cv::Vec3b colour_at(const cv::Mat& image, const cv::Vec3d& place_m)
   return image.at<cv::Vec3b>(cvFloor(p[1]), cvFloor(p[0]));
 }
 
-bool is_blue(const cv::Vec3b& c) { return c[0] > c[2] + 60; }
-bool is_orange(const cv::Vec3b& c) { return c[2] > c[0] + 60; }
+/** BGR, in any light. */
+bool is_like(const cv::Vec3b& c, const io::NamedColour& colour)
+{
+  const double light = cv::norm(c) / cv::norm(io::bgr(colour.rgb));
+  return cv::norm(cv::Vec3d(c) - light * cv::Vec3d(io::bgr(colour.rgb))) < 15;
+}
+bool is_free(const cv::Vec3b& c) { return is_like(c, io::palette::kFree); }
 }  // namespace
 
 TEST(ObliqueView, sees_east_at_the_right_what_is_far_smaller_and_higher_up)
@@ -67,8 +73,8 @@ TEST(ObliqueView, colours_the_ground_by_its_traversability)
   for (int y = 25; y < 35; ++y)
     for (int x = 0; x < 30; ++x) set(map, x, y, 0, 0);
   const cv::Mat image = draw_oblique(map, kFromSouth, {}, {{-50, -50}});
-  EXPECT_TRUE(is_orange(colour_at(image, {1.5, 3, 0})));
-  EXPECT_TRUE(is_blue(colour_at(image, {4.5, 3, 0})));
+  EXPECT_TRUE(is_like(colour_at(image, {1.5, 3, 0}), io::palette::kBlocked));
+  EXPECT_TRUE(is_free(colour_at(image, {4.5, 3, 0})));
   EXPECT_EQ(image.at<cv::Vec3b>(2, 2), cv::Vec3b(255, 255, 255)) << "nothing is known there";
 }
 
@@ -77,19 +83,19 @@ TEST(ObliqueView, a_wall_hides_the_ground_behind_it_and_not_that_before_it)
   io::LayerStack map = level();
   for (int x = 20; x < 40; ++x) set(map, x, 20, 1.5F, 0);
   const cv::Mat image = draw_oblique(map, kFromSouth, {}, {{-50, -50}});
-  EXPECT_TRUE(is_blue(colour_at(image, {3, 1, 0})));
-  EXPECT_FALSE(is_blue(colour_at(image, {3, 3, 0}))) << "hidden";
-  EXPECT_TRUE(is_blue(colour_at(image, {5, 3, 0}))) << "beside";
+  EXPECT_TRUE(is_free(colour_at(image, {3, 1, 0})));
+  EXPECT_FALSE(is_free(colour_at(image, {3, 3, 0}))) << "hidden";
+  EXPECT_TRUE(is_free(colour_at(image, {5, 3, 0}))) << "beside";
   for (int x = 20; x < 40; ++x) set(map, x, 20, 1.5F, 1);  // it hangs
   const cv::Mat hangs = draw_oblique(map, kFromSouth, {}, {{-50, -50}});
-  EXPECT_TRUE(is_blue(colour_at(hangs, {3, 3, 0})));
+  EXPECT_TRUE(is_free(colour_at(hangs, {3, 3, 0})));
 }
 
 TEST(ObliqueView, draws_the_robot_on_its_way)
 {
   const RobotBox robot{{3, 3}, 1.5707963, 1, 0.6, 0.5};
   const cv::Mat image = draw_oblique(level(), kFromSouth, {{3, 0.5}, {3, 3}}, robot);
-  EXPECT_EQ(colour_at(image, {3, 1, 0.03}), cv::Vec3b(96, 0, 128));
+  EXPECT_EQ(colour_at(image, {3, 1, 0.03}), io::bgr(io::palette::kPath.rgb));
   const cv::Vec3b back = colour_at(image, {3.2, 2.5, 0.35});
   EXPECT_EQ(back[0], back[2]) << "grey";
 }

@@ -1,5 +1,6 @@
 // What a person sees of a site and of what changed in it.
 #include <gtest/gtest.h>
+#include <talus/io/palette.h>
 #include <talus/site/changes.h>
 #include <talus/site/site_files.h>
 
@@ -19,7 +20,9 @@ using namespace talus::test;
 namespace
 {
 using Colour = cv::Vec3b;
-const Colour kObstacle(66, 48, 52), kGone(120, 170, 40), kAppeared(46, 30, 200), kDug(26, 128, 240);
+Colour bgr(const io::NamedColour& c) { return {c.rgb[2], c.rgb[1], c.rgb[0]}; }
+const Colour kObstacle = bgr(io::palette::kStands), kDug = bgr(io::palette::kChanges[2]),
+             kGone = bgr(io::palette::kChanges[3]), kAppeared = bgr(io::palette::kChanges[4]);
 
 class SitePicture : public testing::Test
 {
@@ -43,7 +46,7 @@ class SitePicture : public testing::Test
   ScratchDir dir_;
 };
 constexpr int kSwatch_px = 18 * 18;  //!< in the legend of a small page
-const Colour kNotSeen(236, 238, 240), kPaper(255, 255, 255);
+const Colour kNotSeen = bgr(io::palette::kNotSeen), kPaper(255, 255, 255);
 
 /** A strip of ground along a line from the origin. */
 void drive(Site& s, double length_m, double width_m, double angle_rad)
@@ -115,14 +118,9 @@ TEST_F(SitePicture, shows_blocked_ground_in_another_colour_than_free_ground)
   for (int x = 50; x < 100; ++x)
     for (int y = 0; y < 100; ++y) cell_at(*s, x, y).cell.traversability = 0;
   const cv::Mat3b image = picture(*s);
-  int blue = 0, orange = 0;
-  for (const Colour& c : image)
-  {
-    blue += c[0] > c[2] + 60;
-    orange += c[2] > c[0] + 60;
-  }
-  EXPECT_GT(blue, 100'000);
-  EXPECT_NEAR(orange, blue, blue / 5);
+  const int free = count(image, bgr(io::palette::kFree));
+  EXPECT_GT(free, 100'000);
+  EXPECT_NEAR(count(image, bgr(io::palette::kBlocked)), free, free / 5);
 }
 
 TEST_F(SitePicture, light_comes_from_the_north_west)

@@ -71,6 +71,8 @@ void write_html(
 {
   PageOptions page;
   page.title = title;
+  for (const char* item : {"STAMP_S", "TALUS_SEEN_S"})  // of a window, of a site
+    if (const auto seen_s = number_from(map.file.item(item))) page.date = io::date_text(*seen_s);
   page.ways = ways_of(map);
   page.origin = map.file.origin();
   page.max_bytes = o.max_mb << 20;

@@ -50,7 +50,10 @@ void require_sensors(const SourceOptions& o, const ImportedLog& log)
   std::string names;
   for (const auto& [label, count] : log.scans) names += (names.empty() ? "" : ", ") + label;
   for (const auto& [label, mounting] : o.mountings)
-    if (!log.scans.count(label))
+    if (label.empty() && log.scans.size() > 1)
+      throw std::runtime_error(
+          "--mount: say which sensor, as LABEL=...; there are: " + names + ".");
+    else if (!label.empty() && !log.scans.count(label))
       throw std::runtime_error(
           "--mount " + label + ": no sensor is called that; there are: " + names + ".");
 }
@@ -93,8 +96,8 @@ ImportedLog write_scans(
   bool loses_times = false;
   while (sources.next(scan))
   {
-    const auto m = o.mountings.find(scan.sensor_label);
-    if (notes.has_rays && m != o.mountings.end()) scan.T_base_sensor = m->second;
+    if (const auto* mounting = o.mounting_of(scan.sensor_label); mounting && notes.has_rays)
+      scan.T_base_sensor = *mounting;
     if (!log.scans.count(scan.sensor_label)) warn_of_units(scan, log);
     writer.write(scan);
     loses_times |= !scan.rgb.empty() && !scan.point_time_s.empty();

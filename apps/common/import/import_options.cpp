@@ -13,12 +13,11 @@ namespace talus::import
 {
 namespace
 {
-/** "LABEL=" and a mounting. What is wrong, or "". */
+/** A mounting, or "LABEL=" and one. What is wrong, or "". */
 std::string read_mounting(const std::string& text, SourceOptions& options)
 {
   const auto sign = text.rfind('=');
-  if (sign == std::string::npos || sign == 0)
-    return "'" + text + "' is not LABEL=" + app::kMountingForm + " [m, degrees]";
+  const std::string label = sign == std::string::npos ? "" : text.substr(0, sign);
   app::Mounting v{};
   try
   {
@@ -26,10 +25,10 @@ std::string read_mounting(const std::string& text, SourceOptions& options)
   }
   catch (const std::invalid_argument& wrong)
   {
-    return text.substr(0, sign) + ": " + wrong.what();
+    return (label.empty() ? "" : label + ": ") + wrong.what();
   }
   const auto radians = [](double degrees) { return degrees * M_PI / 180; };
-  options.mountings[text.substr(0, sign)] =
+  options.mountings[label] =
       mrpt::poses::CPose3D(v[0], v[1], v[2], radians(v[3]), radians(v[4]), radians(v[5]));
   return "";
 }
@@ -111,9 +110,9 @@ void add_options_of_all(CLI::App& app, SourceOptions& o)
              if (const auto wrong = read_mounting(text, o); !wrong.empty())
                throw CLI::ValidationError("--mount", wrong);
          },
-         "Where a sensor is on the base [m, degrees]; again for each")
+         "Where a sensor is on the base [m, degrees]; again for each, then with their labels")
       ->allow_extra_args(false)
-      ->type_name(std::string("LABEL=") + app::kMountingForm);
+      ->type_name(std::string("[LABEL=]") + app::kMountingForm);
   app::add_number(
       app, "--scale", o.scale, 1e-6, 1e6, "METRES",
       "Metres of one unit of the points: 0.001 where these are millimetres");

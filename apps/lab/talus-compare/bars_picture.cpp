@@ -1,6 +1,7 @@
 #include <talus/io/map_picture.h>
 
 #include <picture_canvas.h>
+#include <picture_style.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,10 +19,11 @@ using io::TextStyle;
 constexpr int kSide_px = 340, kTop_px = 60, kLeft_px = 80, kStep_px = 460, kBelow_px = 110;
 constexpr int kPoints = 20;  //!< of a curve
 constexpr std::size_t kMinHeightCount = 100;  //!< of a kind in a world or log, or it has no say
-const cv::Scalar kColours[kHeightKinds] = {
-    {60, 60, 60}, {170, 110, 30}, {60, 110, 225}, {90, 160, 60}};
-const char* const kNames[kHeightKinds] = {
-    "measured", "filled from two sides", "from one side", "presumed"};
+
+const io::NamedColour& of_kind(int kind)
+{
+  return io::palette::kStates[static_cast<std::size_t>(kind) + 1];
+}
 
 cv::Point2d at(int x, double should, double does)
 {
@@ -74,7 +76,7 @@ void draw_diagram(
   draw_axes(canvas, x, title);
   for (int kind = 0; kind < kHeightKinds; ++kind)
     if (const auto points = curve(x, of, kind); !points.empty())
-      canvas.line(points, kColours[kind], 2.5);
+      canvas.line(points, io::bgr(of_kind(kind).rgb), 2.5);
 }
 
 void draw_legend(Canvas& canvas)
@@ -84,9 +86,9 @@ void draw_legend(Canvas& canvas)
   double x = kLeft_px;
   for (int kind = 0; kind < kHeightKinds; ++kind)
   {
-    canvas.line({{x, y}, {x + 24, y}}, kColours[kind], 2.5);
-    canvas.text(kNames[kind], x + 30, y, plain);
-    x += 50 + Canvas::text_width(kNames[kind], plain);
+    canvas.line({{x, y}, {x + 24, y}}, io::bgr(of_kind(kind).rgb), 2.5);
+    canvas.text(of_kind(kind).name, x + 30, y, plain);
+    x += 50 + Canvas::text_width(of_kind(kind).name, plain);
   }
 }
 }  // namespace

@@ -80,7 +80,7 @@ void add_methods(CLI::App& app, CommandOptions& o)
       ->type_name("NAME,...");
   app::add_checked(
       app, "--config", o.config, "Parameters, as talus-map takes them", "FILE", app::not_empty());
-  app.add_option("--set", o.settings, "One parameter; can be given several times")
+  app.add_option("-s,--set", o.settings, "One parameter; can be given several times")
       ->type_name("NAME=VALUE")
       ->take_all();
   app.add_option(

@@ -58,7 +58,7 @@ cv::Mat paint(
     const std::vector<float>& layer, const Snapshot& s, Palette palette, const ColourRange& range)
 {
   const int n = s.window.cells;
-  if (layer.empty()) return {n, n, CV_8UC3, io::kUnknownColour};
+  if (layer.empty()) return {n, n, CV_8UC3, io::bgr(io::palette::kNotSeen.rgb)};
   const int colours = palette == Palette::Scores ? io::kFewColours : 256;
   return io::paint_cells(layer, n, n, palette, range, colours);
 }
@@ -150,8 +150,8 @@ void write_maps_picture(const std::string& path, const std::vector<Evaluation>& 
   Canvas canvas = assemble(headings, rows, tile_px);
   io::Legend legend;
   legend.colours("blocked", io::colours_of(Palette::Scores), "free");
-  legend.swatch(io::not_judged_colour(), "not judged");
-  legend.swatch(io::state_styles()[0].colour, "no data");
+  legend.swatch(io::palette::kNotJudged);
+  legend.swatch(io::palette::kNotSeen);
   draw_legend(canvas, legend);
   io::write_png(path, canvas.image());
 }
@@ -183,7 +183,7 @@ void write_fills_picture(const std::string& path, const std::vector<Evaluation>&
   Canvas canvas = assemble(headings, rows, tile_px);
   io::Legend legend;
   legend.colours("lowest ground of the world", io::colours_of(Palette::Heights), "highest");
-  legend.swatch(io::state_styles()[0].colour, "no data");
+  legend.swatch(io::palette::kNotSeen);
   draw_legend(canvas, legend);
   io::write_png(path, canvas.image());
 }

@@ -4,6 +4,7 @@
 #include "../../common/crash_context.h"
 #include "../../common/log_name.h"
 #include "../../common/output_folder.h"
+#include "../../common/progress_bar.h"
 #include "../../common/run_app.h"
 #include "picture.h"
 #include "results.h"
@@ -14,7 +15,9 @@
 #include <talus/io/atomic_file.h>
 #include <talus/io/map_picture.h>
 #include <talus/io/mrpt_error.h>
+#include <talus/number_text.h>
 
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -57,10 +60,12 @@ std::string title(const Options& o, const MissionResult& m, bool ended)
 {
   char text[200];
   std::snprintf(
-      text, sizeof text, "%s, %s planner, %s, seed %llu: %.1f s%s%s",
+      text, sizeof text, "%s, %s planner, %s, seed %llu: %s%.1f s%s%s",
       talus::app::name_of_world(o.world).c_str(), o.in_3d ? "3D" : "2D", o.map.c_str(),
-      static_cast<unsigned long long>(o.seed), ended ? m.time_s : m.steps.back().time_s,
-      ended ? ", " : "", ended ? ending_name(m.ending).c_str() : "");
+      static_cast<unsigned long long>(o.seed),
+      ended ? (talus::fixed_text(m.driven_m, 1) + " m in ").c_str() : "",
+      ended ? m.time_s : m.steps.back().time_s, ended ? ", " : "",
+      ended ? ending_name(m.ending).c_str() : "");
   return text;
 }
 
@@ -92,6 +97,11 @@ void tell_unseen(
     print_error("hint: " + world + ": " + *unseen);
 }
 
+double goal_distance_m(const MissionOptions& mission, double x_m, double y_m)
+{
+  return std::hypot(mission.goal.x - x_m, mission.goal.y - y_m);
+}
+
 MissionResult drive(const Options& o, const Settings& settings, const std::string& folder)
 {
   const talus::app::CrashContext context(o.world, kSimplerWorld);
@@ -115,14 +125,23 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
   fs::create_directories(fs::path(folder) / "frames");
   Pilot pilot(robot, *map, o.in_3d, settings, folder, cache.string());
   Painter painter(world, robot.body(), mission_options);
+  talus::app::ProgressBar bar("talus-nav", !o.quiet);
+  const double whole_m = goal_distance_m(mission_options, robot.x_m(), robot.y_m());
   const auto on_step = [&](const MissionResult& m)
   {
+    const Step& at = m.steps.back();
+    const double left_m = goal_distance_m(mission_options, at.x_m, at.y_m);
+    bar.show(
+        1 - left_m / whole_m, talus::fixed_text(at.time_s, 0) + " s, " +
+                                  talus::fixed_text(left_m, 1) + " m from the goal");
     if (o.every > 0 && m.steps.size() % static_cast<std::size_t>(o.every) == 1 % o.every)
       talus::io::write_png(
           frame_path(folder, m.steps.size()), painter.draw(m, planner, pilot, title(o, m, false)));
   };
   auto result = run_mission(world, robot, *map, pilot, planner, mission_options, on_step);
-  write_results(folder, o, result, painter.draw(result, planner, pilot, title(o, result, true)));
+  Options used = o;
+  used.scanner = world.sensors[0].scanner;
+  write_results(folder, used, result, painter.draw(result, planner, pilot, title(o, result, true)));
   if (map->terrain())
     talus::io::write_geotiff(
         (fs::path(folder) / "map.tif").string(), talus::io::snapshot(*map->terrain()));

@@ -5,7 +5,10 @@
 #include "start_costmap.h"
 
 #include <talus/mrpt/parameters_ini.h>
+#include <talus/number_text.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace talus::nav
@@ -41,16 +44,37 @@ std::string what_arrived_means()
   return text;
 }
 
+std::vector<double> goal_from(const std::string& text)
+{
+  const auto comma = text.find(',');
+  std::vector<double> goal;
+  for (const std::string& number :
+       {text.substr(0, comma), comma == std::string::npos ? "" : text.substr(comma + 1)})
+    if (const auto value = number_from(number); value && std::abs(*value) <= Route::kFarthest_m)
+      goal.push_back(*value);
+  if (goal.size() != 2)
+    throw CLI::ValidationError(
+        "--goal", "'" + text + "' is not X,Y: two numbers with a comma, at most " +
+                      number_text(Route::kFarthest_m) + " m, such as 16,0");
+  return goal;
+}
+
+/** "VLP-16" and "vlp16" are the same scanner. */
+std::string plain(std::string name)
+{
+  name.erase(std::remove(name.begin(), name.end(), '-'), name.end());
+  return CLI::detail::to_lower(name);
+}
+
 void add_mission(CLI::App& app, Options& o)
 {
   app.add_option("WORLD", o.world, "World file (.yaml); the robot starts where its way begins")
       ->required()
       ->type_name("");
-  app.add_option("--goal", o.goal, "Where to go, map frame [m]; " + what_arrived_means())
+  app.add_option_function<std::string>(
+         "--goal", [&o](const std::string& text) { o.goal = goal_from(text); },
+         "Where to go, map frame [m]; " + what_arrived_means())
       ->required()
-      ->check(app::between(-kFarthest_m, kFarthest_m))
-      ->delimiter(',')
-      ->expected(2)
       ->type_name("X,Y");
   app.add_option("--output", o.output, "Folder of the results")
       ->required()
@@ -85,7 +109,7 @@ void add_sensor(CLI::App& app, Options& o)
   for (const auto& s : sim::scanners()) names.push_back(s.name);
   app.add_option(
          "--scanner", o.scanner, "Instead of the world's: " + CLI::detail::join(names, ", "))
-      ->check(CLI::IsMember(names, CLI::ignore_case))
+      ->check(CLI::IsMember(names, plain))
       ->type_name("NAME");
   app::add_mounting(
       app, "--mount", o.mount,

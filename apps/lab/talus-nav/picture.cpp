@@ -1,11 +1,11 @@
 #include "picture.h"
 
-#include "legend.h"
-
-#include <talus/io/score_colour.h>
+#include <talus/io/palette.h>
 #include <talus/sim/truth.h>
 
 #include <opencv2/imgproc.hpp>
+#include <picture_legend.h>
+#include <picture_relief.h>
 #include <picture_style.h>
 
 #include <algorithm>
@@ -19,19 +19,13 @@ constexpr double kCell_m = 0.05;
 constexpr int kPixelsPerCell = 3;
 constexpr int kMinWidth_px = 760;  // of the picture, for its words
 
-const cv::Scalar kPoints(66, 228, 240), kKnownBlocked(56, 142, 246), kMayDropColour(160, 60, 120);
-const cv::Vec3b kBlocked(70, 62, 58);
-constexpr int kLowGrey = 150, kHighGrey = 245;
+namespace palette = io::palette;
 
-cv::Scalar score_bgr(double score)
+/** How well a cell drives that is no obstacle: from hard to free. */
+cv::Scalar drivable_colour(double traversability)
 {
-  const auto c = io::score_colour(static_cast<float>(score));
-  return {static_cast<double>(c[2]), static_cast<double>(c[1]), static_cast<double>(c[0])};
+  return io::bgr(io::score_colour(static_cast<float>(0.3 + 0.7 * traversability)));
 }
-
-/** How well a cell drives that is no obstacle: the better half of the scores. */
-cv::Scalar drivable_colour(double traversability) { return score_bgr(0.5 + 0.5 * traversability); }
-const cv::Scalar kCostmap = score_bgr(0), kJudgedFree = score_bgr(1.0 / 3);
 
 sim::Truth truth_around(
     const sim::World& world, const Costmap& grid, const RobotBody& body, double time_s)
@@ -49,16 +43,17 @@ sim::Truth truth_around(
 /** Of a cell that is free with this probability; costmap_from_map() says how they are made. */
 std::optional<cv::Scalar> costmap_colour(float p)
 {
-  if (p < kStandsBelow || p == kEdge) return kCostmap;
-  if (p <= kBlockedUpTo) return kMayDropColour;
-  if (p < 0.525F) return io::kUnknownColour;  // kHopeful
-  if (p < 0.555F) return kJudgedFree;  // traversability 0, and yet no obstacle
+  if (p < kStandsBelow) return io::bgr(palette::kStands.rgb);
+  if (p == kEdge) return io::bgr(palette::kBlocked.rgb);
+  if (p <= kBlockedUpTo) return io::bgr(palette::kMayDrop.rgb);
+  if (p < 0.525F) return io::bgr(palette::kNotSeen.rgb);  // kHopeful
   return drivable_colour(std::clamp((p - 0.55) / 0.4, 0.0, 1.0));
 }
 
 std::optional<cv::Scalar> obstacle_colour(float p)
 {
-  return p <= kBlockedUpTo ? std::optional(kKnownBlocked) : std::nullopt;
+  return p <= kBlockedUpTo ? std::optional(cv::Scalar(io::bgr(palette::kKnownBlocked.rgb)))
+                           : std::nullopt;
 }
 
 cv::Mat ramp(const std::function<cv::Scalar(double)>& colour_of)
@@ -69,44 +64,76 @@ cv::Mat ramp(const std::function<cv::Scalar(double)>& colour_of)
   return column;
 }
 
-std::vector<std::vector<LegendItem>> legend()
+/** Every fourth diagonal of the pixels is darker where something hangs above. */
+bool is_hatched(int x, int y) { return (x + y) % 9 < 2; }
+
+void draw_route(io::Canvas& canvas, const std::vector<cv::Point2d>& route)
 {
-  const auto grey = [](double part)
-  { return cv::Scalar::all(kLowGrey + (kHighGrey - kLowGrey) * part); };
-  return {
-      {{Mark::None, "The truth:"},
-       {Mark::Ramp, "ground, low to high", {}, ramp(grey)},
-       {Mark::Hatching, "something hangs above", grey(0.5)},
-       {Mark::Area, "blocked", cv::Scalar(kBlocked)},
-       {Mark::Dot, "blocked, as the robot knows", kKnownBlocked}},
-      {{Mark::None, "What the robot knows:"},
-       {Mark::Ramp, "hardly to well traversable", {}, ramp(drivable_colour)},
-       {Mark::Area, "blocked", kCostmap},
-       {Mark::Area, "may drop, so blocked", kMayDropColour},
-       {Mark::Area, "taken as free", kJudgedFree},
-       {Mark::Area, "unknown", io::kUnknownColour}},
-      {{Mark::None, "Both:"},
-       {Mark::Robot, "robot"},
-       {Mark::Line, "way driven", io::kInk},
-       {Mark::Line, "route", io::kPaper},
-       {Mark::Dot, "obstacles given to the navigator", kPoints},
-       {Mark::Cross, "goal"}}};
+  if (route.empty()) return;
+  canvas.line(route, io::kInk, 6);
+  canvas.line(route, io::kPaper, 3);
 }
 
-/** How long a metre, or a few, are, in the lower left corner. */
-void draw_scale_bar(io::Canvas& canvas)
+void draw_cross(io::Canvas& canvas, const cv::Point2d& middle)
 {
-  const int length_m = canvas.image().cols > 1500 ? 5 : 2;
-  const int length_px = static_cast<int>(std::lround(length_m * kPixelsPerCell / kCell_m));
-  const cv::Rect paper(10, canvas.image().rows - 44, length_px + 24, 34);
-  const int left = paper.x + 12, y = paper.y + 25;
-  canvas.fill(paper, io::kPaper);
-  canvas.frame(paper, io::kFaintInk);
-  canvas.fill({left, y - 2, length_px, 4}, io::kInk);
-  for (const int x : {left, left + length_px - 2}) canvas.fill({x, y - 6, 2, 8}, io::kInk);
-  canvas.text(
-      std::to_string(length_m) + " m", left + length_px / 2.0, paper.y + 11,
-      {10, io::kInk, false, io::Anchor::Middle, io::Anchor::Middle, false});
+  for (const auto& [colour, width_px] : {std::pair{io::kPaper, 8.0}, {io::kInk, 4.0}})
+    for (const cv::Point2d& arm : {cv::Point2d(9, 9), cv::Point2d(9, -9)})
+      canvas.line({middle - arm, middle + arm}, colour, width_px);
+}
+
+io::Legend legend()
+{
+  io::Legend legend;
+  legend.heading("Ground");
+  legend.colours(palette::kHard.name, ramp(drivable_colour), palette::kFree.name);
+  for (const auto& c : {palette::kBlocked, palette::kStands, palette::kMayDrop, palette::kNotSeen})
+    legend.swatch(c);
+  legend.mark(
+      {30, 18}, "something hangs above",
+      [](io::Canvas& canvas, cv::Point at)
+      {
+        cv::Mat3b image(18, 30, io::bgr(palette::kFree.rgb));
+        for (int y = 0; y < image.rows; y++)
+          for (int x = 0; x < image.cols; x++)
+            if (is_hatched(x, y)) image(y, x) *= 0.6;
+        canvas.paste(image, at.x, at.y);
+      });
+  legend.new_row();
+  legend.heading("Drive");
+  legend.robot("robot");
+  legend.way_line(palette::kPath.name);
+  legend.mark(
+      {40, 6}, "route",
+      [](io::Canvas& canvas, cv::Point at) {
+        draw_route(canvas, {at + cv::Point(0, 3), at + cv::Point(40, 3)});
+      });
+  legend.mark(
+      {20, 20}, "goal",
+      [](io::Canvas& canvas, cv::Point at) { draw_cross(canvas, at + cv::Point(10, 10)); });
+  for (const auto& c : {palette::kKnownBlocked, palette::kGiven}) legend.swatch(c);
+  legend.scale_bar(kPixelsPerCell / kCell_m);
+  return legend;
+}
+
+/** A white strip with a line of text, made smaller where it would not fit. */
+cv::Mat draw_title(int width_px, const std::string& text)
+{
+  constexpr int kEdge_px = 12, kTitle_px = 40;
+  io::TextStyle style{13, io::kInk, true, io::Anchor::Start, io::Anchor::Middle, false};
+  style.cap_height_px *=
+      std::min(1.0, (width_px - 2 * kEdge_px) / io::Canvas::text_width(text, style));
+  io::Canvas strip(width_px, kTitle_px);
+  strip.text(text, kEdge_px, kTitle_px / 2.0, style);
+  return strip.image();
+}
+
+cv::Mat draw_legend(int width_px)
+{
+  constexpr int kEdge_px = 12;
+  const io::Legend all = legend();
+  io::Canvas strip(width_px, all.height_px(width_px - 2 * kEdge_px) + 2 * kEdge_px);
+  all.draw(strip, {kEdge_px, kEdge_px}, width_px - 2 * kEdge_px);
+  return strip.image();
 }
 
 /** With paper to its right where it is narrower. */
@@ -135,18 +162,17 @@ void Painter::paint_truth(const Planner& planner, double time_s)
 {
   const auto truth = truth_around(world_, planner.costmap(), body_, time_s);
   const auto& w = truth.window;
-  const auto [low, high] = std::minmax_element(truth.ground.begin(), truth.ground.end());
-  const float span = std::max(0.3F, *high - *low);
-  cv::Mat cells(w.cells_y, w.cells_x, CV_8UC3);
-  for (int iy = 0; iy < w.cells_y; iy++)
-    for (int ix = 0; ix < w.cells_x; ix++)
-    {
-      const auto i = static_cast<std::size_t>(iy * w.cells_x + ix);
-      const auto grey = static_cast<unsigned char>(
-          kLowGrey + (kHighGrey - kLowGrey) * (truth.ground[i] - *low) / span);
-      cells.at<cv::Vec3b>(w.cells_y - 1 - iy, ix) =
-          truth.label[i] == 0 ? kBlocked : cv::Vec3b(grey, grey, grey);
-    }
+  const auto layer = [&](const std::vector<float>& values)
+  {
+    cv::Mat1f north_up;
+    cv::flip(cv::Mat1f(values, false).reshape(1, w.cells_y), north_up, 0);
+    return north_up;
+  };
+  const cv::Mat1f ground = layer(truth.ground), top = layer(truth.obstacle_top);
+  const cv::Mat cells = io::paint_terrain(
+      {ground, layer(truth.label), top - ground > io::kMinObstacle_m,
+       cv::Mat1b(ground.size(), uchar{2})},
+      w.resolution_m);
   min_x_m_ = w.min_x_m;
   max_y_m_ = w.min_y_m + w.cells_y * w.resolution_m;
   cv::resize(cells, background_, {}, kPixelsPerCell, kPixelsPerCell, cv::INTER_NEAREST);
@@ -207,8 +233,8 @@ cv::Mat Painter::with_mission(
   std::vector<cv::Point2d> way, driven;
   for (const auto& p : planner.route()) way.push_back(pixel(p.x_m, p.y_m));
   for (const auto& s : mission.steps) driven.push_back(pixel(s.x_m, s.y_m));
-  draw_way(canvas, way, io::kPaper, io::kInk);
-  draw_way(canvas, driven, io::kInk, io::kPaper);
+  draw_route(canvas, way);
+  io::draw_way_line(canvas, driven, 3);
   paint_robot(canvas, at);
   const double c = std::cos(at.yaw_rad), s = std::sin(at.yaw_rad);
   for (std::size_t i = 0; i < pilot.obstacles().size(); i++)
@@ -216,10 +242,9 @@ cv::Mat Painter::with_mission(
     float x = 0, y = 0;
     pilot.obstacles().getPoint(i, x, y);
     const cv::Point middle(pixel(at.x_m + c * x - s * y, at.y_m + s * x + c * y));
-    canvas.fill({middle - cv::Point(2, 2), cv::Size(5, 5)}, kPoints);
+    canvas.fill({middle - cv::Point(2, 2), cv::Size(5, 5)}, io::bgr(palette::kGiven.rgb));
   }
   draw_cross(canvas, pixel(options_.goal.x_m, options_.goal.y_m));
-  draw_scale_bar(canvas);
   return canvas.image();
 }
 
@@ -232,7 +257,7 @@ cv::Mat Painter::draw(
   if (grew || !world_.movers.empty()) paint_truth(planner, mission.steps.back().time_s);
   cv::Mat truth = background_.clone();
   paint_cells(truth, planner, 2, obstacle_colour);
-  cv::Mat known(truth.size(), truth.type(), io::kUnknownColour);
+  cv::Mat known(truth.size(), truth.type(), io::bgr(palette::kNotSeen.rgb));
   paint_cells(known, planner, kPixelsPerCell, costmap_colour);
   for (cv::Mat* image : {&truth, &known}) *image = with_mission(*image, mission, planner, pilot);
   const int width_px = std::max(truth.cols, kMinWidth_px);
@@ -241,7 +266,7 @@ cv::Mat Painter::draw(
       std::vector<cv::Mat>{
           draw_title(width_px, title + "; the truth"), widened(truth, width_px),
           draw_title(width_px, "What the robot knows"), widened(known, width_px),
-          draw_legend(width_px, legend())},
+          draw_legend(width_px)},
       all);
   return all;
 }

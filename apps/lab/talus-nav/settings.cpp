@@ -78,7 +78,10 @@ Settings load_settings(const Options& o)
     ini.setContent(s.ini);
     require_navigator(ini, o);
     for (const auto& w : load_parameters(ini, "CDualElevationMap", s.parameters))
-      std::cerr << "talus-nav: warning: " << s.name << ": " << w << "\n";
+      if (w.rfind("unknown key", 0) == 0)
+        throw std::runtime_error(w);
+      else
+        std::cerr << "talus-nav: warning: " << s.name << ": " << w << "\n";
     if (o.map != "octomap" && s.parameters.resolution_m != kCostmapCell_m)
       throw std::runtime_error(mrpt::format(
           "resolution = %g m: must be %g m, as the costmap of the route has",

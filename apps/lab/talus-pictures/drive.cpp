@@ -2,6 +2,7 @@
 
 #include <talus/io/geotiff.h>
 #include <talus/io/map_picture.h>
+#include <talus/number_text.h>
 
 #include <picture_legend.h>
 #include <picture_relief.h>
@@ -72,12 +73,16 @@ class Mosaic
   io::LayerStack all_;
 };
 
-std::vector<io::LayerStack> read_maps(const std::vector<std::string>& files)
+std::vector<io::LayerStack> read_maps(
+    const std::vector<std::string>& files, std::vector<std::string>& names)
 {
   std::vector<io::LayerStack> maps;
   for (const std::string& file : files)
   {
-    maps.push_back(io::read_geotiff(file));
+    const io::GeotiffFile map(file);
+    maps.push_back(map.read());
+    names.push_back(
+        map.item("LOG") + ", " + io::date_text(number_from(map.item("STAMP_S")).value_or(0)));
     for (const std::string& layer : kLayers)
       if (!maps.back().find(layer)) throw std::runtime_error(file + ": has no layer " + layer);
   }
@@ -86,19 +91,16 @@ std::vector<io::LayerStack> read_maps(const std::vector<std::string>& files)
 }
 
 /** The drive above what its colours mean. */
-cv::Mat with_legend(const cv::Mat& drive)
+cv::Mat with_legend(const cv::Mat& drive, const std::string& title)
 {
-  constexpr int kEdge = 24, kBelow = 44;
+  constexpr int kEdge = 24, kBelow = 74;
   io::Legend legend;
-  legend.heading("Traversability");
-  legend.colours("blocked", io::terrain_colours(), "free");
-  legend.swatch(io::kStandsInTheWay, "stands in the way");
-  legend.swatch(io::pale_free_colour(), "pale: filled, or not reached");
-  legend.swatch(io::pale_not_judged_colour(), "not judged");
-  legend.way_line("way of the robot");
+  io::add_terrain(legend);
+  legend.way_line(io::palette::kPath.name);
+  legend.heading(title);
   io::Canvas page(drive.cols, drive.rows + kBelow);
   page.paste(drive, 0, 0);
-  legend.draw(page, {kEdge, drive.rows + (kBelow - 18) / 2}, drive.cols - 2 * kEdge);
+  legend.draw(page, {kEdge, drive.rows + 13}, drive.cols - 2 * kEdge);
   return page.image();
 }
 
@@ -111,10 +113,12 @@ cv::Point2d middle_of(const io::LayerStack& m)
 void write_drive(
     const std::vector<std::string>& files, const Camera& camera, const std::string& folder)
 {
-  const auto maps = read_maps(files);
+  std::vector<std::string> names;
+  const auto maps = read_maps(files, names);
   Mosaic mosaic(maps);
   RobotBox robot;
   std::vector<cv::Point2d> way;
+  double driven_m = 0;
   for (std::size_t i = 0; i < maps.size(); ++i)
   {
     mosaic.add(maps[i]);
@@ -122,12 +126,16 @@ void write_drive(
     if (!way.empty())
     {
       const cv::Point2d moved = robot.at_m - way.back();
+      driven_m += cv::norm(moved);
       if (cv::norm(moved) > maps[i].resolution_m) robot.yaw_rad = std::atan2(moved.y, moved.x);
     }
     way.push_back(robot.at_m);
     char name[40];
     std::snprintf(name, sizeof name, "/drive_%03zu.png", i);
-    io::write_png(folder + name, with_legend(draw_oblique(mosaic.map(), camera, way, robot)));
+    io::write_png(
+        folder + name, with_legend(
+                           draw_oblique(mosaic.map(), camera, way, robot),
+                           names[i] + ", " + fixed_text(driven_m, 0) + " m of the drive"));
   }
 }
 

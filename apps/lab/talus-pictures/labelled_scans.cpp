@@ -1,6 +1,6 @@
 #include "sheet.h"
 
-#include <talus/io/score_colour.h>
+#include <talus/io/palette.h>
 #include <talus/sim/geometry.h>
 
 #include <picture_legend.h>
@@ -18,12 +18,6 @@ struct Dot
   cv::Vec3b colour;
 };
 
-cv::Vec3b colour_of(PointLabel label)
-{
-  const auto rgb = io::label_colour(label);
-  return {rgb[2], rgb[1], rgb[0]};
-}
-
 /** Without those that say nothing. */
 void add_dots(
     const ElevationMapper& map, const baselines::ScanFrame& scan, const Camera& camera,
@@ -35,19 +29,17 @@ void add_dots(
     if (labels[i] == PointLabel::NotTaken || labels[i] == PointLabel::Outside) continue;
     const sim::Vec3 p = sim::transform(scan.T_map_sensor, {scan.x_m[i], scan.y_m[i], scan.z_m[i]});
     const cv::Vec3d pixel = camera.pixel({p.x, p.y, p.z});
-    if (pixel[2] > 0) dots.push_back({pixel, colour_of(labels[i])});
+    if (pixel[2] > 0)
+      dots.push_back(
+          {pixel, io::bgr(io::palette::kLabels[static_cast<std::size_t>(labels[i])].rgb)});
   }
 }
 
 io::Legend legend_of_labels()
 {
   io::Legend legend;
-  for (int l = 1; l < kPointLabelCount - 1; ++l)
-  {
-    std::string words = kPointLabelNames[static_cast<std::size_t>(l)];
-    std::replace(words.begin(), words.end(), '_', ' ');
-    legend.swatch(colour_of(static_cast<PointLabel>(l)), words);
-  }
+  for (std::size_t l = 1; l < kPointLabelCount - 1; ++l) legend.swatch(io::palette::kLabels[l]);
+  legend.mark({0, 0}, "world street", [](io::Canvas&, cv::Point) {});
   return legend;
 }
 }  // namespace

@@ -107,7 +107,7 @@ std::vector<Tile> stages(Worlds& worlds)
       tile("2, 3  Roll, update", "all scans so far: tops", map, "elevation"),
       tile("3  Update", "measured ground", measured, "ground_elevation"),
       tile("1  Accept", "variance of the ground", map, "variance"),
-      tile("4  Classify", "what is to be inferred: grey", inferred, "state"),
+      tile("4  Classify", "what is to be inferred: white", inferred, "state"),
       tile("5  Cleanup", "people walked here: no trail", people, "traversability"),
       tile("6  Fill", "where the ground comes from", map, "state"),
       tile("6  Fill", "measured and filled ground", map, "ground_elevation"),
@@ -159,8 +159,9 @@ std::vector<Tile> effects(Worlds& worlds)
 void write_sheets(const std::string& world_folder, const std::string& folder)
 {
   Worlds worlds(world_folder);
-  io::write_png(folder + "/stages.png", draw_sheet(stages(worlds), 3, 3));
-  io::write_png(folder + "/parameters.png", draw_sheet(effects(worlds), 6, 2));
+  io::write_png(folder + "/stages.png", draw_sheet(stages(worlds), 3, 3, "worlds demo, person"));
+  io::write_png(
+      folder + "/parameters.png", draw_sheet(effects(worlds), 6, 2, "8 x 8 m of simulated worlds"));
 }
 
 void write_labels(const std::string& world_folder, const std::string& file)
@@ -214,7 +215,7 @@ void write_channels(const std::string& world_folder, const std::string& file)
       tile("label", "grass above, gravel below, a path", free, "label"),
       tile("traversability", "without costs", free, "traversability"),
       tile("traversability", "channel_cost = label:14=0,9=0.5", dear, "traversability")};
-  io::write_png(file, draw_sheet(tiles, 3, 3, SheetLegend::Scores));
+  io::write_png(file, draw_sheet(tiles, 3, 3, "world demo, 8 x 8 m", SheetLegend::Scores));
 }
 
 cv::Vec3d place_from(const std::string& text)

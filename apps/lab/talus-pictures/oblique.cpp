@@ -2,6 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 #include <picture_relief.h>
+#include <picture_style.h>
 
 #include <algorithm>
 #include <array>
@@ -14,8 +15,9 @@ namespace
 {
 constexpr int kOversampling = 2, kFractionBits = 4;
 constexpr double kNearest_m = 0.5;
-const cv::Vec3b kPaper(255, 255, 255), kWay(96, 0, 128), kRobot(250, 250, 250);
-const cv::Vec3b kFoot(66, 52, 48), kHigh(205, 190, 184);  //!< of what stands, BGR
+const cv::Vec3b kPaper(255, 255, 255), kWay(io::bgr(io::palette::kPath.rgb)), kRobot(250, 250, 250);
+const cv::Vec3b kFoot(io::bgr(io::palette::kStands.rgb)),
+    kHigh(205, 190, 184);  //!< of what stands, BGR
 constexpr double kHigh_m = 2.5;
 
 /** A polygon of one colour; what is farther is painted first. */
@@ -118,7 +120,7 @@ double Scene::corner_height_m(int x, int y) const
 
 void Scene::add_ground()
 {
-  const cv::Mat3b colours = io::paint_terrain(terrain_, map_.resolution_m, kPaper);
+  const cv::Mat3b colours = io::paint_terrain(terrain_, map_.resolution_m);
   for (int y = 0; y < map_.cells_y; ++y)
     for (int x = 0; x < map_.cells_x; ++x)
     {

@@ -18,7 +18,7 @@ using io::Canvas;
 using io::Palette;
 using io::TextStyle;
 
-constexpr int kEdge_px = 12, kTitle_px = 40, kGap_px = 10, kWideGap_px = 28, kLegendRow_px = 26;
+constexpr int kEdge_px = 12, kTitle_px = 40, kGap_px = 10, kWideGap_px = 28;
 constexpr float kHeightSpan_m = 0.6F;  // of the colours: small steps shall show
 const TextStyle kTitle{9, io::kInk, true, Anchor::Start, Anchor::Middle, false};
 const TextStyle kWords{8, io::kFaintInk, false, Anchor::Start, Anchor::Middle, false};
@@ -54,13 +54,12 @@ io::Legend legend(bool of_scores)
   constexpr double kSmall = 0.8;
   io::Legend legend(kSmall);
   legend.colours("blocked", io::colours_of(Palette::Scores), "free");
-  legend.swatch(io::not_judged_colour(), "not judged");
-  legend.swatch(io::state_styles()[0].colour, "no data");
+  legend.swatch(io::palette::kNotJudged);
+  legend.swatch(io::palette::kNotSeen);
   if (of_scores) return legend;
   legend.colours("low", io::colours_of(Palette::Heights), "high, over 0.6 m");
   legend.new_row();
-  for (const std::size_t i : {1, 2, 3, 4})
-    legend.swatch(io::state_styles()[i].colour, io::state_styles()[i].word);
+  for (const std::size_t i : {1, 2, 3, 4}) legend.swatch(io::palette::kStates[i]);
   legend.colours("standard deviation 0", io::colours_of(Palette::Amounts), "0.05 m");
   return legend;
 }
@@ -76,7 +75,7 @@ cv::Mat layer_image(
   if (layer == layer_name(Layer::Traversability))
     io::paint_not_judged(cells, values, *stack.find(layer_name(Layer::State)));
   const int side = static_cast<int>(std::lround(side_m / stack.resolution_m));
-  cv::Mat square(side, side, CV_8UC3, io::kUnknownColour), tile;
+  cv::Mat square(side, side, CV_8UC3, io::bgr(io::palette::kNotSeen.rgb)), tile;
   const int shift = (side - cells.cols) / 2;  // the same to all sides: the robot is in the middle
   const cv::Rect all(0, 0, side, side), placed(shift, shift, cells.cols, cells.rows);
   const cv::Rect seen = all & placed;
@@ -85,16 +84,20 @@ cv::Mat layer_image(
   return tile;
 }
 
-cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together, SheetLegend explained)
+cv::Mat draw_sheet(
+    const std::vector<Tile>& tiles, int columns, int together, const std::string& words,
+    SheetLegend explained)
 {
-  const bool of_scores = explained == SheetLegend::Scores;
-  const int legend_px = (of_scores ? 1 : 2) * kLegendRow_px;
   const int tile_px = tiles.front().image.cols, count = static_cast<int>(tiles.size());
   const int rows = (count + columns - 1) / columns;
   const auto left_of = [&](int column)
   { return kEdge_px + column * (tile_px + kGap_px) + column / together * (kWideGap_px - kGap_px); };
+  io::Legend all = legend(explained == SheetLegend::Scores);
+  all.mark({0, 0}, words, [](Canvas&, cv::Point) {});
+  const int width_px = left_of(columns - 1) + tile_px - kEdge_px;
+  const int legend_px = all.height_px(width_px);
   Canvas canvas(
-      left_of(columns - 1) + tile_px + kEdge_px,
+      width_px + 2 * kEdge_px,
       kEdge_px + rows * (kTitle_px + tile_px + kGap_px) + legend_px + kEdge_px);
   for (int i = 0; i < count; ++i)
   {
@@ -108,9 +111,7 @@ cv::Mat draw_sheet(const std::vector<Tile>& tiles, int columns, int together, Sh
     const double middle = tile_px / 2.0;
     io::draw_robot(canvas, {x + middle, y + kTitle_px + middle}, 0, 12);
   }
-  legend(of_scores).draw(
-      canvas, {kEdge_px, canvas.image().rows - kEdge_px - legend_px},
-      canvas.image().cols - 2 * kEdge_px);
+  all.draw(canvas, {kEdge_px, canvas.image().rows - kEdge_px - legend_px}, width_px);
   return canvas.image();
 }
 

@@ -30,10 +30,10 @@ enum class SheetLegend
   Scores
 };
 
-/** All tiles, `columns` in a row, with what the colours mean below; a wider gap after every
- * `together` tiles. */
+/** All tiles, `columns` in a row, with what the colours mean below, and the words; a wider gap
+ * after every `together` tiles. */
 cv::Mat draw_sheet(
-    const std::vector<Tile>& tiles, int columns, int together,
+    const std::vector<Tile>& tiles, int columns, int together, const std::string& words,
     SheetLegend explained = SheetLegend::All);
 
 /** The points of some scans of a drive, all coloured by what the map says of them after the last

@@ -42,10 +42,9 @@ std::unique_ptr<BackendInterface> make_backend(
     if (backend == Backend::Auto) say_once(cuda->name() + " (it answers, so not the cpu)");
     return cuda;
   }
-  catch (const std::runtime_error& e)
+  catch (const std::runtime_error&)
   {
     if (backend == Backend::Cuda) throw;
-    say_once(std::string("cpu (") + e.what() + ")");
     return make_cpu_backend(config, threads);
   }
 }

@@ -1,6 +1,6 @@
 #include <talus/formats/write.h>
 #include <talus/io/atomic_file.h>
-#include <talus/io/score_colour.h>
+#include <talus/io/palette.h>
 
 #include "needed_layer.h"
 
@@ -16,8 +16,6 @@ namespace talus::formats
 {
 namespace
 {
-using Colour = std::array<std::uint8_t, 3>;
-constexpr Colour kStanding{52, 48, 66};
 constexpr std::int32_t kNone = -1;
 
 template <class T>
@@ -38,7 +36,7 @@ struct Mesh
   std::int32_t vertex_count = 0;
   std::size_t face_count = 0;
 
-  std::int32_t add_vertex(double x_m, double y_m, double z_m, const Colour& c)
+  std::int32_t add_vertex(double x_m, double y_m, double z_m, const io::Rgb& c)
   {
     for (const double v : {x_m - origin.x_m, y_m - origin.y_m, z_m - origin.z_m})
       put(vertices, static_cast<float>(v));
@@ -112,7 +110,7 @@ void add_standing(const io::LayerStack& map, Mesh& mesh)
         {
           return mesh.add_vertex(
               middle_x_m(map, ix) + c.x * half_m, middle_y_m(map, iy) + c.y * half_m, z_m,
-              kStanding);
+              io::palette::kStands.rgb);
         };
         std::array<std::int32_t, 4> top{};
         for (std::size_t k = 0; k < 4; ++k) top[k] = add(kCorners[k], h.top[i]);

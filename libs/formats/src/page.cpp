@@ -9,8 +9,10 @@
 #include <picture_style.h>
 #include <talus/channels.h>
 #include <talus/io/atomic_file.h>
+#include <talus/number_text.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -64,13 +66,37 @@ json rgb_of(io::Palette palette)
   return colours;
 }
 
-json state_colours()
+json json_of(const io::NamedColour& c) { return {{"word", c.name}, {"rgb", c.rgb}}; }
+
+template <class Colours>
+json list_of(const Colours& colours)
 {
-  json states = json::array();
-  for (const io::StateStyle& s : io::state_styles())
-    states.push_back({{"word", s.word}, {"rgb", {s.colour[2], s.colour[1], s.colour[0]}}});
-  states.push_back({{"word", "measured, not reached"}, {"rgb", {110, 100, 150}}});
-  return states;
+  json list = json::array();
+  for (const io::NamedColour& c : colours) list.push_back(json_of(c));
+  return list;
+}
+
+json palette()
+{
+  namespace p = io::palette;
+  return {{"blocked", json_of(p::kBlocked)},      {"free", json_of(p::kFree)},
+          {"stands", json_of(p::kStands)},        {"inferred", json_of(p::kInferred)},
+          {"not_judged", json_of(p::kNotJudged)}, {"guessed", json_of(p::kGuessed)},
+          {"may_drop", json_of(p::kMayDrop)},     {"path", json_of(p::kPath)}};
+}
+
+/** When, how far, how much. */
+std::string about(const io::LayerStack& map, const PageCode& code, const PageOptions& o)
+{
+  double driven_m = 0;
+  for (const auto& way : o.ways)
+    for (std::size_t i = 1; i < way.size(); ++i)
+      driven_m += std::hypot(way[i].x_m - way[i - 1].x_m, way[i].y_m - way[i - 1].y_m);
+  const double area_m2 =
+      static_cast<double>(code.known_cells) * map.resolution_m * map.resolution_m;
+  std::string text = o.date.empty() ? "" : o.date + ", ";
+  if (driven_m > 0) text += fixed_text(driven_m, 0) + " m driven, ";
+  return text + fixed_text(area_m2, area_m2 < 100 ? 1 : 0) + " m\u00b2 known";
 }
 
 json ways_of(const PageOptions& o)
@@ -105,6 +131,7 @@ json data_of(const io::LayerStack& map, const PageCode& code, const PageOptions&
 {
   json data = {
       {"title", o.title},
+      {"about", about(map, code, o)},
       {"resolution_m", map.resolution_m},
       {"min_x_m", map.min_x_m},
       {"min_y_m", map.min_y_m},
@@ -116,16 +143,17 @@ json data_of(const io::LayerStack& map, const PageCode& code, const PageOptions&
       {"tall_step_m", PageCode::kTallStep_m},
       {"change_step_m", PageCode::kChangeStep_m},
       {"age_steps", PageCode::kAgeSteps},
+      {"oldest_s", code.oldest_s},
       {"has_drops", map.find(layer_name(Layer::Sparsity)) != nullptr},
       {"has_age", map.find("age") != nullptr},
       {"has_changes", o.changes != nullptr},
       {"channels", channels_of(code)},
       {"scores", rgb_of(io::Palette::Scores)},
       {"heights", rgb_of(io::Palette::Heights)},
-      {"states", state_colours()},
+      {"palette", palette()},
+      {"states", list_of(io::palette::kStates)},
+      {"changes", list_of(io::palette::kChanges)},
       {"ways", ways_of(o)}};
-  const cv::Vec3b n = io::not_judged_colour();
-  data["not_judged"] = {n[2], n[1], n[0]};
   if (o.origin)
     data["origin"] = {
         {"latitude_deg", o.origin->latitude_deg},
@@ -205,6 +233,7 @@ std::optional<std::string> page_of(
        {"/* leaflet.css */", leaflet_style()},
        {"/* page.css */", kStyle},
        nonce,
+       {"/* licence */", kLeafletLicence},
        {"/* leaflet.js */", leaflet},
        nonce,
        {"/* data */", data},

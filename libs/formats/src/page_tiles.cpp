@@ -44,14 +44,20 @@ PageCode::Channel code_of_channel(const std::string& name, const std::vector<flo
   return code;
 }
 
+/** The map, which has what terrain_of() needs. */
+const io::LayerStack& judged(const io::LayerStack& map)
+{
+  needed_layer(map, Layer::Traversability);
+  return map;
+}
+
 /** The layers that become the pixels of a page. */
 class Pixels
 {
  public:
   Pixels(const io::LayerStack& map, const io::LayerStack* changes, PageCode& code)
       : map_(map),
-        heights_(map),
-        score_(needed_layer(map, Layer::Traversability)),
+        heights_(judged(map)),
         state_(needed_layer(map, Layer::State)),
         sparsity_(map.find(layer_name(Layer::Sparsity))),
         age_(map.find("age")),
@@ -97,12 +103,12 @@ class Pixels
   bool is_known(std::size_t i) const { return state_[i] >= 1 && !std::isnan(heights_.ground[i]); }
 
   /** Pictures of OpenCV are blue, green, red. */
-  cv::Vec3b ground(std::size_t i) const
+  cv::Vec3b ground(std::size_t i, int x, int row) const
   {
     if (!is_known(i)) return {255, 0, 0};
     const auto h = static_cast<int>(std::clamp<long>(
         std::lround((heights_.ground[i] - code_.lowest_m) / code_.step_m) + 1, 1, kMaxHeights));
-    const float t = score_[i];
+    const float t = terrain_.score(row, x);
     const int score =
         std::isnan(t) ? 255 : static_cast<int>(std::lround(254 * std::clamp(t, 0.0F, 1.0F)));
     return cv::Vec3b(byte(score), byte(h & 255), byte(h >> 8));
@@ -146,10 +152,13 @@ class Pixels
   }
   void find_range(PageCode& code) const
   {
+    code.known_cells = 0;
     float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
     for (std::size_t i = 0; i < heights_.ground.size(); ++i)
       if (is_known(i))
       {
+        ++code.known_cells;
+        if (age_) code.oldest_s = std::fmax(code.oldest_s, (*age_)[i]);
         lowest = std::min(lowest, heights_.ground[i]);
         highest = std::max(highest, heights_.ground[i]);
       }
@@ -160,7 +169,7 @@ class Pixels
 
   const io::LayerStack& map_;
   Heights heights_;
-  const std::vector<float>&score_, &state_;
+  const std::vector<float>& state_;
   const std::vector<float>*sparsity_, *age_, *kind_, *change_;
   std::vector<const std::vector<float>*> channels_;
   io::Terrain terrain_;
@@ -191,7 +200,7 @@ std::vector<PageTile> tile_of(const io::LayerStack& map, const Pixels& pixels, i
     {
       const std::size_t i = pixels.index(x0 + x, y0 + y);
       is_known = is_known || pixels.is_known(i);
-      ground(y, x) = pixels.ground(i);
+      ground(y, x) = pixels.ground(i, x0 + x, y0 + y);
       more(y, x) = pixels.more(i, x0 + x, y0 + y);
       changes(y, x) = pixels.change(i);
       is_changed = is_changed || changes(y, x)[2] != 0;

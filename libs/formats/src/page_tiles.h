@@ -15,6 +15,8 @@ struct PageCode
   static constexpr double kTallStep_m = 0.05;  //!< of what stands
   static constexpr double kChangeStep_m = 0.02;
   static constexpr int kAgeSteps = 16;  //!< age = 2^(code / 16) - 1 s
+  double oldest_s = 0;  //!< the largest age
+  std::size_t known_cells = 0;
 
   /** Of a layer of a channel: value = lowest + (code - 1) step, 0: none. */
   struct Channel

@@ -26,7 +26,7 @@ std::string listed(const std::vector<std::string>& names)
 /** Whether the user named the topic of these clouds. */
 bool is_named(const std::string& topic, const SourceOptions& options)
 {
-  return options.mountings.count(topic) > 0 ||
+  return options.mounting_of(topic) ||
          std::find(options.topics.begin(), options.topics.end(), topic) != options.topics.end();
 }
 }  // namespace

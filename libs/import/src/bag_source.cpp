@@ -138,10 +138,9 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
   sensor.not_stamped += cloud.header.stamp_ns == 0 ? 1 : 0;
   sensor.offsets.add(message.log_time_ns, stamp_ns);
   if (stamp_ns < sensor.last_ns) return ++sensor.late, false;
-  const auto given = options_.mountings.find(topic);
-  const auto T_base_sensor = given == options_.mountings.end()
-                                 ? motion_.T_base_sensor(cloud.header.frame, stamp_ns)
-                                 : std::optional<mrpt::poses::CPose3D>(given->second);
+  const auto* given = options_.mounting_of(topic);
+  const auto T_base_sensor = given ? std::optional<mrpt::poses::CPose3D>(*given)
+                                   : motion_.T_base_sensor(cloud.header.frame, stamp_ns);
   if (!T_base_sensor)
   {
     if (sensor.not_mounted++ == 0) sensor.not_mounted_ns = stamp_ns;

@@ -94,7 +94,7 @@ class PlacedScans : public ScanSource
   /** Of a bag TF only tells how the map is mounted, in which the points are. */
   void require_mounting(const ImportedScan& scan) const
   {
-    if (mounted_by_tf_ && !options_.mountings.count(scan.sensor_label))
+    if (mounted_by_tf_ && !options_.mounting_of(scan.sensor_label))
       fail(
           "--clouds-in map needs the place of the sensor on the base: --mount " +
           scan.sensor_label + "=X,Y,Z,YAW,PITCH,ROLL");

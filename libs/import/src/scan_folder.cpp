@@ -116,9 +116,8 @@ ScanFolder::ScanFolder(const Input& input, const SourceOptions& options)
 
 void ScanFolder::set_mounting(const SourceOptions& options)
 {
-  const auto mounting = options.mountings.find(layout_.label);
-  if (mounting != options.mountings.end())
-    T_base_sensor_ = mounting->second;
+  if (const auto* mounting = options.mounting_of(layout_.label))
+    T_base_sensor_ = *mounting;
   else if (is_of_kitti())
   {
     T_base_sensor_ = kMountingOnKittisCar;

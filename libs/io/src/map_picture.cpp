@@ -12,7 +12,9 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <ctime>
 #include <stdexcept>
 #include <string_view>
 
@@ -80,9 +82,10 @@ std::string take_out_empty(const LayerStack& stack, std::vector<LayerStyle>& sty
   return names;
 }
 
-std::string subtitle_of(const LayerStack& s)
+std::string subtitle_of(const LayerStack& s, double driven_m)
 {
-  return number_text(s.cells_x * s.resolution_m, 4) + " \u00d7 " +
+  const std::string driven = driven_m > 0 ? fixed_text(driven_m, 0) + " m driven, window of " : "";
+  return driven + number_text(s.cells_x * s.resolution_m, 4) + " \u00d7 " +
          number_text(s.cells_y * s.resolution_m, 4) + " m, " + std::to_string(s.cells_x) +
          " \u00d7 " + std::to_string(s.cells_y) + " cells of " + number_text(s.resolution_m, 3) +
          " m, north up";
@@ -105,10 +108,7 @@ void draw_terrain(
     Canvas& canvas, const Plot& plot, const LayerStack& stack, const PictureOptions& options)
 {
   constexpr double kRobot_px = 44, kWay_px = 3;
-  const cv::Vec3b unknown(
-      static_cast<uchar>(kUnknownColour[0]), static_cast<uchar>(kUnknownColour[1]),
-      static_cast<uchar>(kUnknownColour[2]));
-  draw_cells(canvas, plot, paint_terrain(terrain_of(stack), stack.resolution_m, unknown));
+  draw_cells(canvas, plot, paint_terrain(terrain_of(stack), stack.resolution_m));
   Canvas inside(plot.area.width, plot.area.height);
   inside.paste(canvas.image()(plot.area), 0, 0);
   std::vector<cv::Point2d> way;
@@ -122,14 +122,9 @@ void draw_terrain(
 Legend terrain_legend(const Plot& plot, const PictureOptions& options)
 {
   Legend legend;
-  legend.heading("Traversability");
-  legend.colours("blocked", terrain_colours(), "free");
-  legend.swatch(kStandsInTheWay, "stands in the way");
-  legend.swatch(pale_free_colour(), "pale: filled, or not reached");
-  legend.swatch(pale_not_judged_colour(), "not judged");
-  legend.swatch(state_styles()[0].colour, "no data");
+  add_terrain(legend);
   if (options.has_robot) legend.robot("robot");
-  if (options.way.size() > 1) legend.way_line("its way");
+  if (options.way.size() > 1) legend.way_line(palette::kPath.name);
   legend.scale_bar(plot.area.width / plot.width_m);
   return legend;
 }
@@ -143,7 +138,7 @@ void draw_header(
   const int left = kEdge + kLeft - 1, room = canvas.image().cols - kEdge - left;
   const std::string text = options.title.empty() ? "Terrain map" : options.title;
   canvas.text(fitted(text, title, room), left, kEdge + 12, title);
-  std::string subtitle = subtitle_of(stack);
+  std::string subtitle = subtitle_of(stack, options.driven_m);
   if (!empty_layers.empty()) subtitle += "; no cell has a value: " + empty_layers;
   canvas.text(fitted(subtitle, plain, room), left, kEdge + 42, plain);
 }
@@ -175,6 +170,18 @@ struct Layout
   }
 };
 }  // namespace
+
+std::string date_text(double stamp_s)
+{
+  constexpr double kYear1980_s = 315532800.0, kYear2200_s = 7258118400.0;
+  if (!(stamp_s > kYear1980_s && stamp_s < kYear2200_s)) return "";
+  const auto seconds = static_cast<std::time_t>(stamp_s);
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  std::array<char, 40> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S UTC", &utc);
+  return text.data();
+}
 
 cv::Mat draw_map(const LayerStack& stack, const PictureOptions& options)
 {

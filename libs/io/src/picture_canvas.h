@@ -11,7 +11,7 @@ namespace talus::io
 inline const cv::Scalar kPaper(255, 255, 255);
 inline const cv::Scalar kInk(40, 34, 30);
 inline const cv::Scalar kFaintInk(118, 110, 104);
-inline const cv::Scalar kUnknownColour(224, 221, 219);  //!< cells without a value
+inline const cv::Scalar kGridInk(224, 221, 219);  //!< lines behind what is drawn
 /// @}
 
 enum class Anchor

@@ -23,7 +23,7 @@ TextStyle Legend::words_style(bool bold) const
   return {kText * scale_, kInk, bold, Anchor::Start, Anchor::Middle, false};
 }
 
-void Legend::add(cv::Size mark, const std::string& words, Draw draw)
+void Legend::mark(cv::Size mark, const std::string& words, Draw draw)
 {
   const TextStyle style = words_style();
   const int gap = words.empty() ? 0 : px(kWords);
@@ -46,7 +46,8 @@ void Legend::heading(const std::string& words)
   const TextStyle style = words_style(true);
   const int width = static_cast<int>(std::ceil(Canvas::text_width(words, style)));
   const int height = px(kSwatch);
-  add({width, height}, "",
+  mark(
+      {width, height}, "",
       [=](Canvas& canvas, cv::Point corner)
       { canvas.text(words, corner.x, corner.y + height / 2.0, style); });
 }
@@ -58,7 +59,8 @@ void Legend::colours(const std::string& low, const cv::Mat& strip, const std::st
   const cv::Size bar(px(kStrip), px(kSwatch));
   cv::Mat image;
   cv::resize(strip.t(), image, bar, 0, 0, cv::INTER_LINEAR);
-  add({words + bar.width, bar.height}, high,
+  mark(
+      {words + bar.width, bar.height}, high,
       [=](Canvas& canvas, cv::Point corner)
       {
         canvas.text(low, corner.x, corner.y + bar.height / 2.0, style);
@@ -70,7 +72,8 @@ void Legend::colours(const std::string& low, const cv::Mat& strip, const std::st
 void Legend::swatch(const cv::Vec3b& colour, const std::string& words)
 {
   const cv::Size size(px(kSwatch), px(kSwatch));
-  add(size, words,
+  mark(
+      size, words,
       [=](Canvas& canvas, cv::Point corner)
       {
         canvas.fill({corner, size}, cv::Scalar(colour));
@@ -81,7 +84,8 @@ void Legend::swatch(const cv::Vec3b& colour, const std::string& words)
 void Legend::way(const std::string& words)
 {
   const double s = scale_;
-  add({px(64), px(26)}, words,
+  mark(
+      {px(64), px(26)}, words,
       [s](Canvas& canvas, cv::Point corner)
       {
         const cv::Point2d left(corner.x + 13 * s, corner.y + 13 * s);
@@ -92,7 +96,8 @@ void Legend::way(const std::string& words)
 void Legend::way_line(const std::string& words)
 {
   const double s = scale_;
-  add({px(40), px(kSwatch)}, words,
+  mark(
+      {px(40), px(kSwatch)}, words,
       [s](Canvas& canvas, cv::Point corner)
       {
         const cv::Point2d left(corner.x, corner.y + kSwatch * s / 2);
@@ -103,7 +108,8 @@ void Legend::way_line(const std::string& words)
 void Legend::robot(const std::string& words)
 {
   const double s = scale_;
-  add({px(26), px(kSwatch)}, words,
+  mark(
+      {px(26), px(kSwatch)}, words,
       [s](Canvas& canvas, cv::Point corner) {
         draw_robot(canvas, {corner.x + 12 * s, corner.y + kSwatch * s / 2}, 0, 24 * s);
       });
@@ -113,7 +119,8 @@ void Legend::scale_bar(double px_per_m)
 {
   const double length_m = round_length_m(kWidestBar * scale_ / px_per_m);
   const cv::Size bar(static_cast<int>(std::lround(length_m * px_per_m)), px(8));
-  add(bar, length_text(length_m),
+  mark(
+      bar, length_text(length_m),
       [=](Canvas& canvas, cv::Point corner)
       { draw_scale_bar(canvas, corner, bar.width, bar.height); });
 }
@@ -121,7 +128,8 @@ void Legend::scale_bar(double px_per_m)
 void Legend::north(double turn_rad, const std::string& letter, const std::string& words)
 {
   const double s = scale_;
-  add({px(40), px(60)}, words,
+  mark(
+      {px(40), px(60)}, words,
       [=](Canvas& canvas, cv::Point corner) {
         draw_north(canvas, {corner.x + 20 * s, corner.y + 34 * s}, turn_rad, 38 * s, letter);
       });
@@ -154,6 +162,15 @@ std::vector<Legend::Placed> Legend::placed(int width_px, int& height_px) const
   end_row();
   height_px = at.y + row_height;
   return all;
+}
+
+void add_terrain(Legend& legend, const std::string& heading)
+{
+  if (!heading.empty()) legend.heading(heading);
+  legend.colours(palette::kBlocked.name, colours_of(Palette::Scores), palette::kFree.name);
+  for (const NamedColour& c :
+       {palette::kStands, palette::kInferred, palette::kGuessed, palette::kNotSeen})
+    legend.swatch(c);
 }
 
 int Legend::height_px(int width_px) const

@@ -19,6 +19,7 @@ class Legend
   void heading(const std::string& words);
   /** A strip of colours (N x 1) from the first to the last between two words. */
   void colours(const std::string& low, const cv::Mat& strip, const std::string& high);
+  void swatch(const NamedColour& colour) { swatch(bgr(colour.rgb), colour.name); }
   void swatch(const cv::Vec3b& colour, const std::string& words);
   void way(const std::string& words);  //!< with the marks of its start and its end
   void way_line(const std::string& words);
@@ -26,6 +27,9 @@ class Legend
   void scale_bar(double px_per_m);
   /** `turn_rad` as draw_north(). */
   void north(double turn_rad, const std::string& letter, const std::string& words);
+  using Draw = std::function<void(Canvas&, cv::Point corner)>;
+  /** A mark of a size with words to its right. */
+  void mark(cv::Size size, const std::string& words, Draw draw);
   /** What follows begins a row. */
   void new_row();
 
@@ -33,7 +37,6 @@ class Legend
   void draw(Canvas& canvas, cv::Point corner, int width_px) const;
 
  private:
-  using Draw = std::function<void(Canvas&, cv::Point corner)>;
   struct Item
   {
     cv::Size size;
@@ -48,14 +51,15 @@ class Legend
 
   int px(double unscaled) const;
   TextStyle words_style(bool bold = false) const;
-  /** A mark of a size with words to its right. */
-  void add(cv::Size mark, const std::string& words, Draw draw);
   std::vector<Placed> placed(int width_px, int& height_px) const;
 
   double scale_;
   std::vector<Item> items_;
   bool begins_row_ = false;
 };
+
+/** What the colours of paint_terrain() mean; `heading` first, unless it is empty. */
+void add_terrain(Legend& legend, const std::string& heading = "Traversability");
 
 /** The arrow that stands for the robot, `length_px` long, with its middle at a point; `yaw_rad`
  * counter-clockwise from the right. */

@@ -8,7 +8,7 @@ namespace talus::io
 {
 namespace
 {
-const cv::Scalar kWayColour(96, 0, 128), kHalo(255, 255, 255);
+const cv::Scalar kWayColour(bgr(palette::kPath.rgb)), kHalo(255, 255, 255);
 
 void draw_start(Canvas& canvas, const cv::Point2d& p, double radius_px)
 {

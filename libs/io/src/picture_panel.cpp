@@ -113,21 +113,21 @@ void draw_colour_scale(
   }
 }
 
-void draw_swatch(
-    Canvas& canvas, const cv::Point& corner, const cv::Vec3b& colour, const std::string& words)
+void draw_swatch(Canvas& canvas, const cv::Point& corner, const NamedColour& colour)
 {
   const cv::Rect swatch(corner, cv::Size(kBarWidth, kBarWidth));
-  canvas.fill(swatch, cv::Scalar(colour[0], colour[1], colour[2]));
+  canvas.fill(swatch, bgr(colour.rgb));
   canvas.frame(swatch, kInk);
-  canvas.text(words, swatch.x + kBarWidth + kTick + 4, corner.y + kBarWidth / 2.0, kSmallText);
+  canvas.text(
+      colour.name, swatch.x + kBarWidth + kTick + 4, corner.y + kBarWidth / 2.0, kSmallText);
 }
 
 /** Cells without a score: of two kinds. */
 void draw_no_score_legend(Canvas& canvas, const cv::Rect& plot)
 {
   const cv::Point below(plot.x + plot.width + kBarGap, plot.y + plot.height - kBarWidth);
-  draw_swatch(canvas, below, state_styles()[0].colour, "no data");
-  draw_swatch(canvas, below - cv::Point(0, kSwatchRow), not_judged_colour(), "not judged");
+  draw_swatch(canvas, below, palette::kNotSeen);
+  draw_swatch(canvas, below - cv::Point(0, kSwatchRow), palette::kNotJudged);
 }
 
 void draw_state_legend(Canvas& canvas, const cv::Rect& plot, const std::vector<float>& states)
@@ -140,9 +140,8 @@ void draw_state_legend(Canvas& canvas, const cv::Rect& plot, const std::vector<f
   int y = plot.y + 1;
   for (const std::size_t i : {1, 2, 3, 4, 0})
   {
-    const auto& style = state_styles()[i];
     const int left = plot.x + plot.width + kBarGap, x = left + kBarWidth + kTick + 4;
-    draw_swatch(canvas, {left, y}, style.colour, style.word);
+    draw_swatch(canvas, {left, y}, palette::kStates[i]);
     const double part = static_cast<double>(count[i]) / static_cast<double>(states.size());
     canvas.text(fixed_text(100 * part, 1) + " %", x, y + kBarWidth / 2.0 + 16, percent);
     y += 40;

@@ -17,10 +17,6 @@ constexpr float kSteepness = 3;  //!< heights are shown so many times as high
 constexpr float kLevel = 0.7071F;  //!< light on level ground
 constexpr float kPassable = 0.5F;  //!< what is there does not block: it hangs high, or is low
 constexpr float kMinWeight = 1e-3F;
-/// @name How much white is in the colours, of 1
-/// @{
-constexpr float kMild = 0.15F, kPale = 0.5F;  //!< measured, and not
-/// @}
 
 /** Means of the known ground around each pixel; 0 where none is near, as `weight` is there. */
 cv::Mat1f smoothed(const cv::Mat1f& ground_m, double pixel_m, cv::Mat1f& weight)
@@ -41,12 +37,6 @@ cv::Mat1f smoothed(const cv::Mat1f& ground_m, double pixel_m, cv::Mat1f& weight)
     for (int x = 0; x < ground_m.cols; ++x)
       height(y, x) = weight(y, x) > kMinWeight ? height(y, x) / weight(y, x) : 0.0F;
   return height;
-}
-
-cv::Vec3b score_bgr(const cv::Mat& scale, float score)
-{
-  return std::isnan(score) ? not_judged_colour()
-                           : scale.at<cv::Vec3b>(cvRound(255 * std::clamp(score, 0.0F, 1.0F)));
 }
 }  // namespace
 
@@ -102,11 +92,15 @@ Terrain terrain_of(const LayerStack& s)
   // A single scan may tell nothing of the ground around the robot, so that nothing is reached.
   const auto* reached = s.find(layer_name(Layer::Reached));
   if (reached && std::count(reached->begin(), reached->end(), 1.0F) == 0) reached = nullptr;
+  // Of a whole drive rays have proved what goes on from one side; of a window nothing has.
+  const bool is_window = state && !s.find("age");
+  const auto is_guessed_free = [&](std::size_t i)
+  { return (*state)[i] == static_cast<float>(CellState::FilledOneSided) && (*score)[i] > 0; };
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x)
     {
       const auto i = static_cast<std::size_t>(size.height - 1 - y) * size.width + x;
-      t.score(y, x) = (*score)[i];
+      t.score(y, x) = is_window && is_guessed_free(i) ? nan : (*score)[i];
       if (ground) t.ground_m(y, x) = (*ground)[i];
       const bool known = state ? (*state)[i] >= 1 : std::isfinite(t.score(y, x));
       const bool measured = (!state || (*state)[i] == 1) && !(reached && (*reached)[i] == 0);
@@ -116,11 +110,10 @@ Terrain terrain_of(const LayerStack& s)
   return t;
 }
 
-cv::Mat3b paint_terrain(const Terrain& t, double pixel_m, const cv::Vec3b& unknown)
+cv::Mat3b paint_terrain(const Terrain& t, double pixel_m)
 {
-  const cv::Mat scale = colours_of(Palette::Scores);
   const cv::Mat1f shade = hill_shade(t.ground_m, pixel_m);
-  cv::Mat3b image(t.score.size(), unknown);
+  cv::Mat3b image(t.score.size(), bgr(palette::kNotSeen.rgb));
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
     {
@@ -130,24 +123,11 @@ cv::Mat3b paint_terrain(const Terrain& t, double pixel_m, const cv::Vec3b& unkno
       const bool is_filled = t.measured(y, x) == 1;
       // The relief of a guess is not worth much contrast.
       const float light = is_filled ? (shade(y, x) + kLevel) / 2 : shade(y, x);
-      const cv::Vec3b colour = mixed(score_bgr(scale, score), kWhite, is_filled ? kPale : kMild);
-      image(y, x) = blocks ? kStandsInTheWay : lit(colour, light);
+      const Rgb colour = score_colour(score);
+      image(y, x) =
+          blocks ? bgr(palette::kStands.rgb) : lit(bgr(is_filled ? pale(colour) : colour), light);
     }
   return image;
-}
-
-cv::Vec3b pale_free_colour()
-{
-  return mixed(score_bgr(colours_of(Palette::Scores), 1), kWhite, kPale);
-}
-cv::Vec3b pale_not_judged_colour() { return mixed(not_judged_colour(), kWhite, kPale); }
-
-cv::Mat terrain_colours()
-{
-  cv::Mat colours = colours_of(Palette::Scores);
-  for (int i = 0; i < colours.rows; ++i)
-    colours.at<cv::Vec3b>(i) = mixed(colours.at<cv::Vec3b>(i), kWhite, kMild);
-  return colours;
 }
 
 }  // namespace talus::io

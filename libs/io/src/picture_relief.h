@@ -5,9 +5,6 @@
 
 namespace talus::io
 {
-inline const cv::Vec3b kWhite(255, 255, 255);
-inline const cv::Vec3b kStandsInTheWay(66, 48, 52);  //!< BGR
-
 /** Of two colours. */
 cv::Vec3b mixed(const cv::Vec3b& a, const cv::Vec3b& b, float part_b);
 /** A colour in a light as hill_shade() tells it: level ground keeps its colour. */
@@ -33,15 +30,7 @@ Terrain terrain_of(const LayerStack& stack);
 constexpr double kMinObstacle_m = 0.05;  //!< lower than that it is a rough ground
 
 /** The shaded ground in the colours of its traversability, pale where it was not measured or is
- * not reached, dark where something stands in the way. */
-cv::Mat3b paint_terrain(const Terrain& terrain, double pixel_m, const cv::Vec3b& unknown);
-
-/// @name Colours of it for a legend, BGR
-/// @{
-cv::Vec3b pale_free_colour();
-cv::Vec3b pale_not_judged_colour();
-/// @}
-/** The scale of paint_terrain() where it is measured and level: 256 x 1. */
-cv::Mat terrain_colours();
+ * not reached, dark where something stands in the way; see add_terrain() for a legend. */
+cv::Mat3b paint_terrain(const Terrain& terrain, double pixel_m);
 
 }  // namespace talus::io

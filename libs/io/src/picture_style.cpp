@@ -1,9 +1,6 @@
 #include "picture_style.h"
 
-#include "picture_canvas.h"
-
 #include <talus/io/quantile.h>
-#include <talus/io/score_colour.h>
 #include <talus/layers.h>
 
 #include <opencv2/imgproc.hpp>
@@ -11,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -41,16 +37,11 @@ std::pair<int, std::ptrdiff_t> rank_of(const LayerStyle& style)
   return {style.palette == Palette::Amounts ? 1 : 0, known - kLayerTable};
 }
 
-cv::Vec3b score_bgr(float score)
-{
-  const auto c = score_colour(score);
-  return {c[2], c[1], c[0]};
-}
-
 cv::Mat score_colours()
 {
   cv::Mat colours(256, 1, CV_8UC3);
-  for (int i = 0; i < 256; ++i) colours.at<cv::Vec3b>(i) = score_bgr(static_cast<float>(i) / 255);
+  for (int i = 0; i < 256; ++i)
+    colours.at<cv::Vec3b>(i) = bgr(score_colour(static_cast<float>(i) / 255));
   return colours;
 }
 
@@ -61,48 +52,6 @@ cv::Mat opencv_colours(int map)
   cv::applyColorMap(grey, colours, map);
   return colours;
 }
-
-cv::Vec3b unknown_colour()
-{
-  return {
-      static_cast<uchar>(kUnknownColour[0]), static_cast<uchar>(kUnknownColour[1]),
-      static_cast<uchar>(kUnknownColour[2])};
-}
-}  // namespace
-
-std::array<std::uint8_t, 3> score_colour(float score)
-{
-  using Colour = std::array<std::uint8_t, 3>;
-  constexpr Colour kNotJudged{178, 146, 178};
-  // Lightness (CIE L*) 33, 51, 70, 91, 78, 65, 51.
-  static const std::vector<Colour> stops{{130, 44, 6},    {197, 82, 12},   {246, 142, 56},
-                                         {250, 226, 190}, {160, 200, 228}, {96, 165, 215},
-                                         {30, 126, 190}};
-  if (std::isnan(score)) return kNotJudged;
-  const double at =
-      std::clamp(static_cast<double>(score), 0.0, 1.0) * static_cast<double>(stops.size() - 1);
-  const auto below = std::min(static_cast<std::size_t>(at), stops.size() - 2);
-  const double part = at - static_cast<double>(below);
-  Colour colour{};
-  for (std::size_t k = 0; k < 3; ++k)
-    colour[k] = static_cast<std::uint8_t>(
-        std::lround((1 - part) * stops[below][k] + part * stops[below + 1][k]));
-  return colour;
-}
-
-const std::array<StateStyle, kCellStates>& state_styles()
-{
-  static const std::array<StateStyle, kCellStates> styles{
-      {{"unknown", unknown_colour()},
-       {"measured", {150, 82, 20}},
-       {"filled, 2 sides", {226, 178, 96}},
-       {"filled, 1 side", {20, 150, 236}},
-       {"presumed", {170, 190, 90}}}};
-  return styles;
-}
-
-namespace
-{
 constexpr std::array<const char*, 3> kColours{"red", "green", "blue"};
 
 /** The layers of red, green and blue become one. */
@@ -195,7 +144,7 @@ cv::Mat paint_cells(
 {
   const cv::Mat colours = colours_of(palette);
   const float last = static_cast<float>(colour_count - 1);
-  cv::Mat image(cells_y, cells_x, CV_8UC3, kUnknownColour);
+  cv::Mat image(cells_y, cells_x, CV_8UC3, bgr(palette::kNotSeen.rgb));
   for (int iy = 0; iy < cells_y; ++iy)
     for (int ix = 0; ix < cells_x; ++ix)
     {
@@ -204,7 +153,8 @@ cv::Mat paint_cells(
       auto& pixel = image.at<cv::Vec3b>(cells_y - 1 - iy, ix);
       if (palette == Palette::States)
       {
-        pixel = state_styles()[v >= 1 && v < kCellStates ? static_cast<std::size_t>(v) : 0].colour;
+        pixel =
+            bgr(palette::kStates[v >= 1 && v < kCellStates ? static_cast<std::size_t>(v) : 0].rgb);
         continue;
       }
       const float part = (v - range.low) / (range.high - range.low);
@@ -217,7 +167,7 @@ cv::Mat paint_cells(
 cv::Mat paint_colours(const LayerStack& stack, const std::string& red)
 {
   const std::string ending = red.substr(std::string(kColours[0]).size());
-  cv::Mat image(stack.cells_y, stack.cells_x, CV_8UC3, kUnknownColour);
+  cv::Mat image(stack.cells_y, stack.cells_x, CV_8UC3, bgr(palette::kNotSeen.rgb));
   for (int i = 0; i < image.rows * image.cols; ++i)
   {
     cv::Vec3b colour;
@@ -240,9 +190,8 @@ void paint_not_judged(
 {
   for (int i = 0; i < image.rows * image.cols; ++i)
     if (const auto k = static_cast<std::size_t>(i); std::isnan(values[k]) && states[k] >= 1)
-      image.at<cv::Vec3b>(image.rows - 1 - i / image.cols, i % image.cols) = not_judged_colour();
+      image.at<cv::Vec3b>(image.rows - 1 - i / image.cols, i % image.cols) =
+          bgr(palette::kNotJudged.rgb);
 }
-
-cv::Vec3b not_judged_colour() { return score_bgr(std::numeric_limits<float>::quiet_NaN()); }
 
 }  // namespace talus::io

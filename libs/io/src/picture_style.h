@@ -1,9 +1,9 @@
 #pragma once
 #include <talus/io/layer_stack.h>
+#include <talus/io/palette.h>
 
 #include <opencv2/core.hpp>
 
-#include <array>
 #include <string>
 #include <vector>
 
@@ -36,13 +36,8 @@ struct ColourRange
   float least = 0, greatest = 1;  //!< of the values shown
 };
 
-/** The legend of the layer `state`, in the order of CellState; the first is unknown. */
-struct StateStyle
-{
-  const char* word;
-  cv::Vec3b colour;
-};
-const std::array<StateStyle, kCellStates>& state_styles();
+/** As OpenCV orders it. */
+inline cv::Vec3b bgr(const Rgb& c) { return {c[2], c[1], c[0]}; }
 
 /** The layers of a stack in the order in which they are shown; red, green and blue are one. */
 std::vector<LayerStyle> styles_of(const LayerStack& stack);
@@ -64,7 +59,7 @@ cv::Mat colours_of(Palette palette);
  * file is a third as large. */
 inline constexpr int kFewColours = 12;
 
-/** One pixel a cell, north up, cells without a value in kUnknownColour. */
+/** One pixel a cell, north up, cells without a value as palette::kNotSeen. */
 cv::Mat paint_cells(
     const std::vector<float>& values, int cells_x, int cells_y, Palette palette,
     const ColourRange& range, int colour_count = 256);
@@ -72,9 +67,7 @@ cv::Mat paint_cells(
 /** The same of the colours of three layers, from 0 to 255, of which `red` is the first. */
 cv::Mat paint_colours(const LayerStack& stack, const std::string& red);
 
-/** Of a cell whose ground is known, but not how it drives. */
-cv::Vec3b not_judged_colour();
-/** Gives it to those cells of paint_cells() that have a state and no score. */
+/** Those cells of paint_cells() that have a state and no score become palette::kNotJudged. */
 void paint_not_judged(
     cv::Mat& image, const std::vector<float>& values, const std::vector<float>& states);
 

@@ -1,6 +1,6 @@
 #include <talus/io/atomic_file.h>
 #include <talus/io/map_picture.h>
-#include <talus/io/score_colour.h>
+#include <talus/io/palette.h>
 #include <talus/number_text.h>
 
 #include <array>
@@ -16,7 +16,7 @@ namespace
 {
 constexpr int kSteps = 10;
 
-std::string hex(const std::array<std::uint8_t, 3>& c)
+std::string hex(const Rgb& c)
 {
   std::array<char, 8> text{};
   std::snprintf(text.data(), text.size(), "#%02x%02x%02x", c[0], c[1], c[2]);
@@ -30,10 +30,12 @@ std::string colour_items()
   for (int k = 0; k <= kSteps; ++k)
   {
     const double t = static_cast<double>(k) / kSteps;
-    const char* const word = k == 0 ? " blocked" : k == kSteps ? " free" : "";
+    const std::string word = k == 0        ? palette::kBlocked.name
+                             : k == kSteps ? palette::kFree.name
+                                           : "";
     items += "          <item alpha=\"255\" value=\"" + number_text(t) + "\" label=\"" +
-             number_text(t) + word + "\" color=\"" + hex(score_colour(static_cast<float>(t))) +
-             "\"/>\n";
+             number_text(t) + " " + word + "\" color=\"" +
+             hex(score_colour(static_cast<float>(t))) + "\"/>\n";
   }
   return items;
 }

@@ -1,4 +1,4 @@
-#include <talus/io/score_colour.h>
+#include <talus/io/palette.h>
 #include <talus/mrpt/CDualElevationMap.h>
 #include TALUS_SCENE_HEADER(CSetOfObjects.h)
 #include TALUS_SCENE_HEADER(CSetOfTriangles.h)
@@ -38,12 +38,6 @@ struct HeightSpan
     if (a <= b) low = a, high = std::max(b, a + 1e-3F);
   }
 };
-
-TColor traversability_color(float t)
-{
-  const auto c = io::score_colour(t);
-  return {c[0], c[1], c[2]};
-}
 
 /** Draws one surface as two triangles between each four neighbouring known cells. */
 class SurfacePainter
@@ -91,18 +85,29 @@ class SurfacePainter
   {
     const std::size_t cell = map_.index(ix, iy);
     const float z = z_[cell];
+    const bool above = z - map_.ground[cell] > map_.window.resolution_m;
     return {
         {static_cast<float>(map_.x_m(ix)), static_cast<float>(map_.y_m(iy)), z},
-        color(cell, z),
-        z - map_.ground[cell] > map_.window.resolution_m};
+        color(cell, z, above),
+        above};
   }
 
-  TColor color(std::size_t cell, float z) const
+  TColor color(std::size_t cell, float z, bool above) const
   {
-    if (options_.colorByTraversability) return traversability_color(map_.traversability[cell]);
+    if (options_.colorByTraversability) return traversability_color(cell, above);
     if (std::isnan(z)) return {128, 128, 128};
     return detail::color_of(
         mrpt::img::colormap(options_.colormap, (z - span_.low) / (span_.high - span_.low)));
+  }
+
+  /** As pictures show it. */
+  TColor traversability_color(std::size_t cell, bool above) const
+  {
+    const float t = map_.traversability[cell];
+    const bool measured = map_.state[cell] == static_cast<float>(CellState::Measured);
+    const io::Rgb ground = measured ? io::score_colour(t) : io::pale(io::score_colour(t));
+    const io::Rgb& c = above && !(t > 0.5F) ? io::palette::kStands.rgb : ground;
+    return {c[0], c[1], c[2]};
   }
 
   static TTriangle triangle(const Corner& a, const Corner& b, const Corner& c)

@@ -7,19 +7,16 @@
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace talus::site
 {
 namespace
 {
-const cv::Vec3b kGround(214, 212, 210), kOnlyOne(238, 234, 230), kStands(128, 122, 120);
-/** BGR, by Change. */
-const std::array<cv::Vec3b, kChangeCount> kColours{
-    {{0, 0, 0}, {184, 110, 30}, {26, 128, 240}, {120, 170, 40}, {46, 30, 200}}};
-const std::array<const char*, kChangeCount> kWords{
-    "", "built up", "dug away", "object gone", "object new"};
+using io::bgr;
+constexpr const auto& kKinds = io::palette::kChanges;
+const io::NamedColour kOnlyOne{"not seen both times", io::pale(kKinds[0].rgb)},
+    kStands{"stands on the ground", io::pale(io::palette::kStands.rgb)};
 
 struct Marks
 {
@@ -59,15 +56,16 @@ Marks marks_of(Site& from, Site& to, int floor, double step_m, const RasterPlace
 cv::Mat3b colours_of_cells(const SiteRaster& r, const Marks& marks, double pixel_m)
 {
   const cv::Mat1f shade = io::hill_shade(r.ground_m, pixel_m);
-  cv::Mat3b image(r.ground_m.size(), kNotSeen);
+  cv::Mat3b image(r.ground_m.size(), bgr(io::palette::kNotSeen.rgb));
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
       if (marks.kind(y, x) != 0)
-        image(y, x) = kColours[marks.kind(y, x)];
+        image(y, x) = bgr(kKinds[marks.kind(y, x)].rgb);
       else if (r.obstacle(y, x) != 0)
-        image(y, x) = kStands;
+        image(y, x) = bgr(kStands.rgb);
       else
-        image(y, x) = io::lit(marks.common(y, x) != 0 ? kGround : kOnlyOne, shade(y, x));
+        image(y, x) =
+            io::lit(bgr((marks.common(y, x) != 0 ? kKinds[0] : kOnlyOne).rgb), shade(y, x));
   return image;
 }
 
@@ -75,22 +73,26 @@ void add_kinds(io::Legend& legend, const ChangeSums& sums)
 {
   for (const Change c : {Change::Built, Change::Dug, Change::Gone, Change::Appeared})
   {
-    const auto i = static_cast<std::size_t>(c);
-    legend.swatch(kColours[i], std::string(kWords[i]) + ": " + area_text(sums.area_m2(c)));
+    const io::NamedColour& kind = kKinds[static_cast<std::size_t>(c)];
+    legend.swatch(bgr(kind.rgb), std::string(kind.name) + ": " + area_text(sums.area_m2(c)));
   }
   legend.new_row();
-  legend.swatch(kGround, "as before");
-  legend.swatch(kStands, "stands on the ground");
-  legend.swatch(kOnlyOne, "not seen both times");
-  legend.swatch(kNotSeen, "not seen");
+  for (const auto& colour : {kKinds[0], kStands, kOnlyOne, io::palette::kNotSeen})
+    legend.swatch(colour);
+}
+
+/** Name and date, as far as they are known. */
+std::string when(const Site& site, std::uint32_t newest_s)
+{
+  const std::string date = io::date_text(newest_s);
+  return site.name + (site.name.empty() || date.empty() ? "" : ", ") + date;
 }
 
 std::vector<std::string> subtitles(
-    std::uint32_t before_s, std::uint32_t after_s, const ChangeSums& sums, double step_m)
+    const std::string& before, const std::string& after, const ChangeSums& sums, double step_m)
 {
-  std::string times;
-  if (!time_text(before_s).empty() && !time_text(after_s).empty())
-    times = "from " + time_text(before_s) + " to " + time_text(after_s);
+  const std::string times =
+      before.empty() || after.empty() ? "" : "from " + before + " to " + after;
   double seen_m2 = 0;
   for (const std::size_t cells : sums.cells) seen_m2 += sums.cell_m2 * static_cast<double>(cells);
   const std::string seen = area_text(seen_m2) + " seen both times; changed: by more than " +
@@ -115,7 +117,9 @@ void write_changes_picture(
   add_kinds(sheet.legend(), sums);
   sheet.add_scale_and_north(to.origin);
   io::write_png(
-      path, sheet.finish("What changed", subtitles(before_s, raster.newest_s, sums, step_m)));
+      path, sheet.finish(
+                "What changed",
+                subtitles(when(from, before_s), when(to, raster.newest_s), sums, step_m)));
 }
 
 }  // namespace talus::site

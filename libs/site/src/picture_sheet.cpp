@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <limits>
 
 namespace talus::site
@@ -63,7 +62,7 @@ PictureSheet::PictureSheet(const RasterPlace& place)
     least_y_m_ = std::min(least_y_m_, p.y);
     most_y_m_ = std::max(most_y_m_, p.y);
   }
-  map_.fill({{0, 0}, place.page}, cv::Scalar(kNotSeen));
+  map_.fill({{0, 0}, place.page}, io::bgr(io::palette::kNotSeen.rgb));
   draw_grid();
 }
 
@@ -212,18 +211,6 @@ std::string area_text(double area_m2)
   const int decimals = area_m2 < 10 ? 2 : area_m2 < 100 ? 1 : 0;
   if (area_m2 >= 1e6) return fixed_text(area_m2 / 1e6, 3) + " km\u00b2";
   return fixed_text(area_m2, decimals) + " m\u00b2";
-}
-
-std::string time_text(std::uint32_t seen_s)
-{
-  constexpr std::uint32_t kYear2000_s = 946'684'800;
-  if (seen_s < kYear2000_s) return "";
-  const auto t = static_cast<std::time_t>(seen_s);
-  std::tm utc{};
-  gmtime_r(&t, &utc);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
-  return text;
 }
 
 }  // namespace talus::site

@@ -10,8 +10,6 @@
 
 namespace talus::site
 {
-inline const cv::Vec3b kNotSeen(236, 238, 240);  //!< BGR
-
 /** What is the same on all pictures of a site: paper, axes, title, and a legend: below a map that
  * is wide, right of one that is high. */
 class PictureSheet
@@ -52,7 +50,5 @@ class PictureSheet
 double length_m(const std::vector<std::vector<WayPoint>>& ways, int floor);
 /** "12.3 m2", with as many digits as matter. */
 std::string area_text(double area_m2);
-/** Day and minute in UTC where the clock is one since 1970, else empty. */
-std::string time_text(std::uint32_t seen_s);
 
 }  // namespace talus::site

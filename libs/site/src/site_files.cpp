@@ -67,6 +67,7 @@ SiteInfo add_floor(const std::string& path, int floor, std::vector<SitePart>& pa
 /** Copies an island into a site of its own. */
 void copy(const Island& island, Site& from, Site& to)
 {
+  to.name = from.name;
   to.origin = from.origin;
   to.ways = ways_on(island, from);
   to.channels = from.channels;
@@ -76,13 +77,6 @@ void copy(const Island& island, Site& from, Site& to)
     if (const ChannelTile* values = from.channel_tiles.find(key))
       to.channel_tiles.at(key) = *values;
   }
-}
-
-std::string title_of(int floor, std::size_t island)
-{
-  if (island == 0) return "";
-  return (floor > 0 ? "Site map, floor " + std::to_string(floor) : "Site map") + ", island " +
-         std::to_string(island);
 }
 
 /** The first floor has the name of all. */
@@ -117,7 +111,9 @@ void write_floor_files(
           if (progress) progress((before + done) / all);
         });
     if (!picture.empty())
-      write_site_picture(with_island(picture, i), part, floor, title_of(floor, i));
+      write_site_picture(
+          with_island(picture, i), part, floor,
+          i > 0 ? "island " + std::to_string(i) : std::string());
   }
   write_way(way_file_of(path), site, floor);
 }

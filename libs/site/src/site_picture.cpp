@@ -24,23 +24,16 @@ std::vector<std::string> subtitles(const Site& site, int floor, const SiteRaster
   std::string more = "ground from " + fixed_text(r.lowest_m, decimals) + " to " +
                      fixed_text(r.highest_m, decimals) + " m, cells of " +
                      number_text(site.resolution_m, 3) + " m";
-  const std::string time = time_text(r.newest_s);
-  if (!time.empty()) more += ", seen until " + time;
   return {extent, more};
 }
 void add_legend(io::Legend& legend, bool has_ways)
 {
-  legend.heading("Traversability");
-  legend.colours("blocked", io::terrain_colours(), "free");
-  legend.swatch(io::kStandsInTheWay, "stands in the way");
-  legend.swatch(io::pale_free_colour(), "pale: filled, or not reached");
-  legend.swatch(io::pale_not_judged_colour(), "not judged");
-  legend.swatch(kNotSeen, "not seen");
-  if (has_ways) legend.way("way: start, end");
+  io::add_terrain(legend);
+  if (has_ways) legend.way("path driven: start, end");
 }
 }  // namespace
 
-void write_site_picture(const std::string& path, Site& site, int floor, const std::string& title)
+void write_site_picture(const std::string& path, Site& site, int floor, const std::string& part)
 {
   const CellBox box = known_box(site, floor);
   if (box.empty())
@@ -49,13 +42,16 @@ void write_site_picture(const std::string& path, Site& site, int floor, const st
   const RasterPlace place(box, page_turn(site, floor), site.resolution_m);
   const SiteRaster raster(site, floor, place);
   PictureSheet sheet(place);
-  sheet.paint(io::paint_terrain(raster, place.pixel_m, kNotSeen), raster.measured);
+  sheet.paint(io::paint_terrain(raster, place.pixel_m), raster.measured);
   sheet.draw_ways(site.ways, floor);
   add_legend(sheet.legend(), !site.ways.empty());
   sheet.add_scale_and_north(site.origin);
-  std::string made = "Site map";
-  if (floor > 0) made += ", floor " + std::to_string(floor);
-  io::write_png(path, sheet.finish(title.empty() ? made : title, subtitles(site, floor, raster)));
+  std::string title = site.name.empty() ? "Whole map" : site.name;
+  if (floor > 0) title += ", floor " + std::to_string(floor);
+  if (!part.empty()) title += ", " + part;
+  const std::string date = io::date_text(raster.newest_s);
+  if (!date.empty()) title += ", " + date;
+  io::write_png(path, sheet.finish(title, subtitles(site, floor, raster)));
 }
 
 }  // namespace talus::site

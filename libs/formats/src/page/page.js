@@ -76,33 +76,32 @@
   // ---- layers ------------------------------------------------------------------------------------------------------
 
   const level_light = 0.7071;
-  const standing = [52, 48, 66];
-  const change_colours = [null, [31, 119, 180], [140, 86, 75], [44, 160, 44], [214, 39, 40]];
-  const change_words = ['', 'built up', 'dug away', 'object gone', 'object new'];
+  const p = d.palette;  // each a word and its colour
   const lit = (c, light) => c.map(v => v * (0.4 + 0.6 * light / level_light));
-  const pale = (c, part) => c.map(v => v + (255 - v) * part);
+  const pale = c => c.map(v => (v + 255) / 2);
   const scale = (colours, t) => colours[Math.round(255 * Math.min(1, Math.max(0, t)))];
   let ground_range_m = [d.lowest_m, d.lowest_m + 1];
 
+  const nothing = c => lit([225, 225, 225], c.light);
   const layers = {
     'Traversability': c => {
-      if (c.tall_m > 0 && !(c.traversability > 0.5)) return standing;
-      const colour = isNaN(c.traversability) ? d.not_judged : scale(d.scores, c.traversability);
-      return lit(pale(colour, c.state === 1 ? 0.15 : 0.5), c.state === 1 ? c.light : (c.light + level_light) / 2);
+      if (c.tall_m > 0 && !(c.traversability > 0.5)) return p.stands.rgb;
+      const colour = isNaN(c.traversability) ? p.not_judged.rgb : scale(d.scores, c.traversability);
+      return c.state === 1 ? lit(colour, c.light) : lit(pale(colour), (c.light + level_light) / 2);
     },
     'Ground': c => lit(scale(d.heights, (c.ground_m - ground_range_m[0]) / (ground_range_m[1] - ground_range_m[0])), c.light),
     'Hill-shade': c => Array(3).fill(Math.min(255, 255 * c.light)),
-    'What stands': c => c.tall_m > 0 ? scale(d.heights, c.tall_m / 3) : lit([225, 225, 225], c.light),
+    'What stands': c => c.tall_m > 0 ? scale(d.heights, c.tall_m / 3) : nothing(c),
     'State': c => d.states[c.state].rgb
   };
-  if (d.has_age) layers['Age'] = c => isNaN(c.age_s) ? [200, 200, 200] : scale(d.heights, 1 - Math.log2(1 + c.age_s) / 16);
-  if (d.has_drops) layers['Drops'] = c => c.drops ? [214, 39, 40] : lit([225, 225, 225], c.light);
+  if (d.has_age) layers['Age'] = c => isNaN(c.age_s) ? nothing(c)
+    : scale(d.heights, 1 - Math.log2(1 + c.age_s) / Math.log2(2 + d.oldest_s));
+  if (d.has_drops) layers['Drops'] = c => c.drops ? p.may_drop.rgb : nothing(c);
   // Layers of channels: classes have a colour each, and red, green and blue together are one.
   const class_colours = [
-    [127, 127, 127], [31, 119, 180], [174, 199, 232], [255, 127, 14], [214, 39, 40], [255, 152, 150], [148, 103, 189],
+    [127, 127, 127], [31, 119, 180], [174, 199, 232], [0, 90, 110], [214, 39, 40], [255, 152, 150], [148, 103, 189],
     [197, 176, 213], [227, 119, 194], [140, 86, 75], [188, 189, 34], [219, 219, 141], [44, 160, 44], [152, 223, 138],
     [196, 156, 148], [23, 190, 207]];
-  const nothing = c => lit([225, 225, 225], c.light);
   const title_of = channel => channel.name.replace(/_standing$/, ', what stands');
   d.channels.forEach((channel, k) => {
     layers[title_of(channel)] = c => {
@@ -121,20 +120,21 @@
     }
     return nothing(c);
   };
-  const changes_colour = c => change_colours[c.change];
+  const changes_colour = c => c.change ? d.changes[c.change].rgb : null;
 
   const canvas_of = (width, height) => Object.assign(document.createElement('canvas'), {width, height});
 
-  async function painted(column, row, colour) {
+  // Of a stored tile as many columns and rows, from the upper left.
+  async function painted(column, row, colour, columns, rows) {
     const tile = await tile_at(column, row);
-    if (!tile) return null;
-    const canvas = canvas_of(tile.width, tile.height), context = canvas.getContext('2d');
-    const image = context.createImageData(tile.width, tile.height);
-    for (let p = 0; p < image.data.length; p += 4) {
-      const cell = cell_of(tile, p), rgb = cell && colour(cell);
+    const width = Math.min(columns, tile.width), height = Math.min(rows, tile.height);
+    const canvas = canvas_of(width, height), context = canvas.getContext('2d');
+    const image = context.createImageData(width, height);
+    for (let i = 0; i < width * height; ++i) {
+      const cell = cell_of(tile, 4 * (Math.floor(i / width) * tile.width + i % width)), rgb = cell && colour(cell);
       if (!rgb) continue;
-      for (let k = 0; k < 3; ++k) image.data[p + k] = rgb[k];
-      image.data[p + 3] = 255;
+      for (let k = 0; k < 3; ++k) image.data[4 * i + k] = rgb[k];
+      image.data[4 * i + 3] = 255;
     }
     context.putImageData(image, 0, 0);
     return canvas;
@@ -142,6 +142,7 @@
 
   // At zoom 0 a cell has a pixel.
   const least_zoom = -Math.max(0, Math.ceil(Math.log2(Math.max(d.cells_x, d.cells_y) / side)));
+  const overlap = 2;
   const zooms = {minZoom: least_zoom - 1, maxZoom: 5};
 
   const CellLayer = L.GridLayer.extend({
@@ -150,15 +151,20 @@
       L.GridLayer.prototype.initialize.call(this, options);
       this.colour = colour;
     },
+    // A tile lies over the edges of those right and below, or a seam shows between them.
+    _initTile: function (tile) {
+      L.GridLayer.prototype._initTile.call(this, tile);
+      tile.style.width = tile.style.height = side + overlap + 'px';
+    },
     // A tile of a zoom below 0 is made of several stored ones.
     createTile: function (at, done) {
-      const canvas = canvas_of(side, side), context = canvas.getContext('2d'), along = Math.pow(2, -at.z);
-      const parts = [];
-      for (let y = 0; y < along; ++y)
-        for (let x = 0; x < along; ++x) {
+      const canvas = canvas_of(side + overlap, side + overlap), context = canvas.getContext('2d');
+      const along = Math.pow(2, -at.z), parts = [], cells = k => k < along ? side : overlap * along;
+      for (let y = 0; y <= along; ++y)
+        for (let x = 0; x <= along; ++x) {
           const column = at.x * along + x, row = at.y * along + y;
           if (!stored.has(column + ',' + row)) continue;
-          parts.push(painted(column, row, this.colour).then(part => context.drawImage(
+          parts.push(painted(column, row, this.colour, cells(x), cells(y)).then(part => context.drawImage(
             part, x * side / along, y * side / along, part.width / along, part.height / along)));
         }
       Promise.all(parts).then(() => done(null, canvas), error => done(error, canvas));
@@ -183,8 +189,9 @@
   for (const [name, colour] of Object.entries(layers))
     base[name] = new CellLayer(colour);
   const changes = d.has_changes && new CellLayer(changes_colour, {zIndex: 5});
-  const ways = L.layerGroup(d.ways.map(way => L.polyline(way.map(p => [p[1], p[0]]), {color: '#111', weight: 2})));
-  if (d.ways.length) overlays['Way driven'] = ways;
+  const ways = L.layerGroup([['#fff', 6], [`rgb(${p.path.rgb})`, 3]].flatMap(([color, weight]) =>
+    d.ways.map(way => L.polyline(way.map(at => [at[1], at[0]]), {color, weight}))));
+  if (d.ways.length) overlays['Path driven'] = ways;
   if (changes) overlays['Changes'] = changes;
 
   const boxes = d.tiles.map(t => [
@@ -192,9 +199,10 @@
     [Math.max(d.min_y_m, top_y_m - (t[1] + 1) * side * d.resolution_m),
      Math.min(d.min_x_m + d.cells_x * d.resolution_m, d.min_x_m + (t[0] + 1) * side * d.resolution_m)]]);
   map.fitBounds(L.latLngBounds(boxes.flat()));
+  new ResizeObserver(() => map.invalidateSize({pan: false})).observe(map.getContainer());
   L.control.layers(named(base), named(overlays), {collapsed: false}).addTo(map);
 
-  const scale_bar = L.control({position: 'bottomleft'});
+  const scale_bar = L.control({position: 'topleft'});
   scale_bar.onAdd = () => L.DomUtil.create('div', 'leaflet-control-scale-line');
   scale_bar.addTo(map);
   function show_scale() {
@@ -224,7 +232,8 @@
   // ---- legend ------------------------------------------------------------------------------------------------------
 
   const legend = document.getElementById('legend');
-  const swatch = (rgb, word) => `<div><i style="background:rgb(${rgb.map(Math.round)})"></i>${escaped(word)}</div>`;
+  const swatch = (rgb, word) => `<div class="swatch"><i style="background:rgb(${rgb.map(Math.round)})"></i>${escaped(word)}</div>`;
+  const of_palette = c => swatch(c.rgb, c.word);
   function bar(colours, low, high) {
     const canvas = canvas_of(256, 1), context = canvas.getContext('2d');
     colours.forEach((c, x) => { context.fillStyle = `rgb(${c})`; context.fillRect(x, 0, 1, 1); });
@@ -232,14 +241,14 @@
       `<div class="ends"><span>${escaped(low)}</span><span>${escaped(high)}</span></div>`;
   }
   const legends = {
-    'Traversability': () => bar(d.scores, 'blocked', 'free') + swatch(standing, 'stands in the way') +
-      swatch(pale(scale(d.scores, 1), 0.5), 'pale: filled, or not reached') + swatch(d.not_judged, 'not judged'),
+    'Traversability': () => bar(d.scores, p.blocked.word, p.free.word) +
+      [p.stands, p.inferred, p.guessed].map(of_palette).join(''),
     'Ground': () => bar(d.heights, ground_range_m[0].toFixed(2) + ' m', ground_range_m[1].toFixed(2) + ' m'),
     'Hill-shade': () => '',
     'What stands': () => bar(d.heights, '0 m', '3 m and more'),
-    'State': () => d.states.slice(1).map(s => swatch(s.rgb, s.word)).join(''),
-    'Age': () => bar(d.heights, '18 hours before the newest', 'now'),
-    'Drops': () => swatch([214, 39, 40], 'the ground may drop here')
+    'State': () => d.states.slice(1).map(of_palette).join(''),
+    'Age': () => bar(d.heights, age_text(d.oldest_s) + ' old', 'newest'),
+    'Drops': () => of_palette(p.may_drop)
   };
   if (has_colour) legends['Colour'] = () => 'of what stands, else of the ground';
   for (const channel of d.channels)
@@ -248,9 +257,8 @@
       : bar(d.heights, channel.lowest.toPrecision(4), channel.highest.toPrecision(4));
   let shown = 'Traversability';
   function show_legend() {
-    legend.innerHTML = '<b></b>' + legends[shown]() + (changes
-      ? [1, 2, 3, 4].map(k => swatch(change_colours[k], change_words[k])).join('') : '');
-    legend.querySelector('b').textContent = (d.title ? d.title + ': ' : '') + shown.toLowerCase();
+    legend.innerHTML = `<b>${escaped(d.title)}</b><p>${escaped(d.about)}</p><b>${escaped(shown)}</b>` +
+      legends[shown]() + (changes ? d.changes.slice(1).map(of_palette).join('') : '');
   }
   map.on('baselayerchange', e => { shown = Object.keys(base).find(name => base[name] === e.layer); show_legend(); });
 
@@ -287,10 +295,14 @@
         const v = value_of(c, k);
         if (!isNaN(v)) list.push([title_of(channel), channel.step === 1 ? v.toFixed(0) : v.toPrecision(4)]);
       });
-      if (c.change) list.push([change_words[c.change], c.change_m.toFixed(2) + ' m']);
+      if (c.change) list.push([d.changes[c.change].word, c.change_m.toFixed(2) + ' m']);
     }
     document.getElementById('values').innerHTML = rows(list);
   }
+  const touched = navigator.maxTouchPoints > 0 && matchMedia('(hover: none)').matches;
+  document.getElementById('values').textContent = touched
+    ? 'Tap a place for its values, then another one for the profile between them.'
+    : 'Point at a place for its values. Click two places for the profile between them.';
   map.on('mousemove', e => show_values(e.latlng));
 
   // ---- distance and profile between two clicks ---------------------------------------------------------------------
@@ -321,10 +333,10 @@
       return `<path d="${path}" fill="none" stroke="${colour}" stroke-width="1.5"/>`;
     };
     const word = (at, z) => `<text x="46" y="${at}" font-size="11" text-anchor="end">${z.toFixed(2)} m</text>`;
-    return `<svg width="${width}" height="${height}">` + word(14, high) + word(height - 18, low) +
+    return `<svg viewBox="0 0 ${width} ${height}">` + word(14, high) + word(height - 18, low) +
       `<text x="50" y="${height - 4}" font-size="11">0</text>` +
       `<text x="${width - 10}" y="${height - 4}" font-size="11" text-anchor="end">${length_m.toFixed(1)} m</text>` +
-      line('top_m', '#b03030') + line('ground_m', '#205080') + '</svg>';
+      line('top_m', `rgb(${p.stands.rgb})`) + line('ground_m', `rgb(${p.path.rgb})`) + '</svg>';
   }
   async function measure(a, b) {
     const {length_m, points} = await profile(a, b);
@@ -339,16 +351,17 @@
     panel.innerHTML = rows(list) + drawing_of(points, length_m);
   }
   map.on('click', e => {
+    show_values(e.latlng);
     if (!from) {
       from = e.latlng;
       marks.clearLayers();
-      L.circleMarker(from, {radius: 4, color: '#b03030'}).addTo(marks);
+      L.circleMarker(from, {radius: 4, color: '#a01428'}).addTo(marks);
       panel.hidden = false;
-      panel.textContent = 'Click where the profile ends.';
+      panel.textContent = (touched ? 'Tap' : 'Click') + ' where the profile ends.';
       return;
     }
-    L.circleMarker(e.latlng, {radius: 4, color: '#b03030'}).addTo(marks);
-    L.polyline([from, e.latlng], {color: '#b03030', weight: 2, dashArray: '6 4'}).addTo(marks);
+    L.circleMarker(e.latlng, {radius: 4, color: '#a01428'}).addTo(marks);
+    L.polyline([from, e.latlng], {color: '#a01428', weight: 2, dashArray: '6 4'}).addTo(marks);
     measure(from, e.latlng);
     from = null;
   });

@@ -19,6 +19,7 @@ struct PagePoint
 struct PageOptions
 {
   std::string title;  //!< in UTF-8
+  std::string date;  //!< when its newest cell was seen; may be empty
   std::vector<std::vector<PagePoint>> ways;  //!< that were driven
   std::optional<io::GeoOrigin> origin;  //!< where the map is on Earth
   const io::LayerStack* changes =
@@ -34,9 +35,10 @@ std::vector<std::string> channel_bands(const std::vector<std::string>& names);
 void require_leaflet();
 
 /** One file of HTML that any browser opens without a network: layers to switch (also those of
- * channels), zoom, the values under the pointer, and distance and height profile between two
- * clicks. It brings Leaflet along, which Debian's libjs-leaflet has. Throws std::runtime_error that
- * names the file, the layer or the package which is missing. */
+ * channels), zoom, the values under the pointer or the finger, and distance and height profile
+ * between two places; as good on a phone. It brings Leaflet and its licence along, which Debian's
+ * libjs-leaflet has. Throws std::runtime_error that names the file, the layer or the package which
+ * is missing. */
 void write_page(
     const std::string& path, const io::LayerStack& map, const PageOptions& options = PageOptions());
 

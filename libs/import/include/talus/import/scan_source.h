@@ -96,7 +96,15 @@ struct SourceOptions
                        //!< name; "label" and "semantickitti": also of .label files beside .bin
   double scale = 1;  //!< --scale: metres of one unit of x, y and z
   double rate_hz = 10;  //!< --rate, of folders without times
-  std::map<std::string, mrpt::poses::CPose3D> mountings;  //!< --mount, by label: T_base_sensor
+  /** --mount, by label: T_base_sensor; "" where there is one sensor. */
+  std::map<std::string, mrpt::poses::CPose3D> mountings;
+  /** nullptr: it was not given. */
+  const mrpt::poses::CPose3D* mounting_of(const std::string& label) const
+  {
+    auto found = mountings.find(label);
+    if (found == mountings.end()) found = mountings.find("");
+    return found == mountings.end() ? nullptr : &found->second;
+  }
 };
 
 struct Format;

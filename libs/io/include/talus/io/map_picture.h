@@ -17,7 +17,11 @@ struct PictureOptions
   double robot_x_m = 0, robot_y_m = 0, robot_yaw_rad = 0;
   /** Where it came along, map frame [m]; what lies outside of the map is not drawn. */
   std::vector<cv::Point2d> way;
+  double driven_m = 0;  //!< all of it, also what `way` leaves out
 };
+
+/** "2014-11-10 11:34:12 UTC" of seconds since 1970; empty where a clock counts from elsewhere. */
+std::string date_text(double stamp_s);
 
 /** The picture a person looks at: large, the traversability over the shaded ground with the robot,
  * its way and axes in metres; small beside it, the other layers with their colour scales (those

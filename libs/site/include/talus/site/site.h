@@ -34,6 +34,8 @@ struct Site
   {
   }
 
+  /** Of the log or the maps that it is of, for titles; may be empty. */
+  std::string name;
   /** Side of a cell [m]. */
   double resolution_m;
   /** Nothing where it is not known. */
