@@ -11,9 +11,6 @@
 
 namespace talus::import
 {
-namespace
-{
-/** "LABEL=" and a mounting. What is wrong, or "". */
 std::string read_mounting(const std::string& text, SourceOptions& options)
 {
   const auto sign = text.rfind('=');
@@ -34,6 +31,8 @@ std::string read_mounting(const std::string& text, SourceOptions& options)
   return "";
 }
 
+namespace
+{
 /** An option with two words; `value` is whether it is the second. */
 void add_choice(
     CLI::App& app, const char* name, const std::array<std::string, 2>& words, bool& value,

@@ -49,10 +49,10 @@ mrpt::maps::CPointsMap::Ptr cloud_of(const ImportedScan& scan)
   return points;
 }
 
-mrpt::obs::CObservationPointCloud cloud_observation(const ImportedScan& scan)
+mrpt::obs::CObservation::Ptr cloud_observation(const ImportedScan& scan)
 {
-  mrpt::obs::CObservationPointCloud obs;
-  obs.pointcloud = cloud_of(scan);
+  auto obs = mrpt::obs::CObservationPointCloud::Create();
+  obs->pointcloud = cloud_of(scan);
   return obs;
 }
 
@@ -69,10 +69,11 @@ std::vector<std::uint8_t> intensity_in_bytes(const ImportedScan& scan, bool is_i
   return bytes;
 }
 
-mrpt::obs::CObservationVelodyneScan timed_observation(const ImportedScan& scan, bool is_intensity)
+mrpt::obs::CObservation::Ptr timed_observation(const ImportedScan& scan, bool is_intensity)
 {
   using Duration = mrpt::Clock::duration;
-  mrpt::obs::CObservationVelodyneScan obs;
+  auto made = mrpt::obs::CObservationVelodyneScan::Create();
+  auto& obs = *made;
   obs.timestamp = mrpt::Clock::fromDouble(scan.time_s);
   obs.minRange = 0;
   auto& points = obs.point_cloud;
@@ -87,13 +88,23 @@ mrpt::obs::CObservationVelodyneScan timed_observation(const ImportedScan& scan, 
     points.timestamp.push_back(
         obs.timestamp +
         std::chrono::duration_cast<Duration>(std::chrono::duration<double>(time_s)));
-  return obs;
+  return made;
 }
 }  // namespace
 
 double stamp_in_log_s(double time_s)
 {
   return mrpt::Clock::toDouble(mrpt::Clock::fromDouble(time_s));
+}
+
+mrpt::obs::CObservation::Ptr observation_of(const ImportedScan& scan, bool is_intensity)
+{
+  const bool keeps_times = !scan.point_time_s.empty() && scan.rgb.empty();
+  auto obs = keeps_times ? timed_observation(scan, is_intensity) : cloud_observation(scan);
+  obs->timestamp = mrpt::Clock::fromDouble(scan.time_s);
+  obs->sensorLabel = scan.sensor_label;
+  obs->setSensorPose(scan.T_base_sensor);
+  return obs;
 }
 
 struct RawlogWriter::Impl
@@ -105,15 +116,6 @@ struct RawlogWriter::Impl
     comment.text = kIntensitiesAre + values;
     log.write(comment);
   }
-  template <class Observation>
-  void put(Observation obs, const ImportedScan& scan)
-  {
-    obs.timestamp = mrpt::Clock::fromDouble(scan.time_s);
-    obs.sensorLabel = scan.sensor_label;
-    obs.sensorPose = scan.T_base_sensor;
-    log.write(obs);
-  }
-
   io::PackedLog log;
   bool is_intensity;  //!< the intensities are such
 };
@@ -133,10 +135,7 @@ RawlogWriter::~RawlogWriter() = default;
 
 void RawlogWriter::write(const ImportedScan& scan)
 {
-  if (scan.point_time_s.empty() || !scan.rgb.empty())
-    impl_->put(cloud_observation(scan), scan);
-  else
-    impl_->put(timed_observation(scan, impl_->is_intensity), scan);
+  impl_->log.write(*observation_of(scan, impl_->is_intensity));
 }
 
 void RawlogWriter::close() { impl_->log.close(); }

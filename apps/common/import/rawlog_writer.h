@@ -1,4 +1,5 @@
 #pragma once
+#include <mrpt/obs/CObservation.h>
 #include <talus/import/scan_source.h>
 
 #include <memory>
@@ -14,9 +15,11 @@ double stamp_in_log_s(double time_s);
  * values: the name of these. Nothing where it says nothing of that. */
 std::optional<std::string> values_told_by(const std::string& comment);
 
-/** Writes scans as observations, gz-packed as what talus-sim writes: a CObservationPointCloud, or,
- * where points have times and no colours, a decoded CObservationVelodyneScan: the one class that
- * keeps them in every version of MRPT. */
+/** A scan as a log keeps it: a CObservationPointCloud, or, where points have times and no colours,
+ * a decoded CObservationVelodyneScan: the one class that keeps them in every version of MRPT. */
+mrpt::obs::CObservation::Ptr observation_of(const ImportedScan& scan, bool is_intensity = true);
+
+/** Writes scans, see observation_of(), gz-packed as what talus-sim writes. */
 class RawlogWriter
 {
  public:

@@ -3,6 +3,8 @@
 #include <mrpt/poses/CPose3D.h>
 #include <talus/frame.h>
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,5 +45,12 @@ bool points_from_observation(const mrpt::obs::CObservation& obs, SensorPoints& o
 /** The points as a frame, its sensor at `T_map_base (+) T_base_sensor`; without a path, and as
  * those of sensor 0: SensorNumbers gives each label its own. Valid as long as `points` stays. */
 Frame frame_from(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base);
+
+/** The poses of the sensor over the times of the points, for Frame::path; empty where the points
+ * have no times, or `base_at`, the base in the map at a time [s], does not know two poses of them.
+ */
+std::vector<TimedPose> sensor_path(
+    const SensorPoints& points,
+    const std::function<std::optional<mrpt::poses::CPose3D>(double stamp_s)>& base_at);
 
 }  // namespace talus

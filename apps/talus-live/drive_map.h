@@ -1,0 +1,56 @@
+#pragma once
+#include "../talus-map/settings.h"
+
+#include <talus/elevation_mapper.h>
+#include <talus/frame_gatherer.h>
+#include <talus/import/scan_source.h>
+#include <talus/io/layer_stack.h>
+#include <talus/mrpt/observation_points.h>
+#include <talus/mrpt/sensor_numbers.h>
+#include <talus/site/site_mapper.h>
+
+#include <mrpt/poses/CPose3D.h>
+
+#include <cstddef>
+#include <string>
+
+namespace talus::app
+{
+/** The map of a drive that goes on: the bits of talus-map with a log of the same scans and poses.
+ */
+class DriveMap
+{
+ public:
+  /** `folder`: for tiles that find no room in memory. Throws what ElevationMapper throws. */
+  DriveMap(const Settings& settings, double memory_mb, const std::string& folder);
+
+  /** Maps a scan, or gathers it where it is a part of one. Throws std::runtime_error that says what
+   * is wrong with it; then it is left out. */
+  void add(const import::ImportedScan& scan, const io::Trajectory& poses);
+
+  /** How many scans reached the map. */
+  std::size_t frames() const { return frames_; }
+  const ElevationMapper& window() const { return map_; }
+  const mrpt::poses::CPose3D& base() const { return T_map_base_; }  //!< in the last frame
+  double stamp_s() const { return points_.stamp_s; }  //!< of it
+  site::Site& site() { return site_; }
+  int floor() const { return mapper_.floor(); }
+
+  /** Ends the drive and writes site.tif, map.tif and a picture of each into a folder. Throws
+   * std::runtime_error naming the file. */
+  void finish(const std::string& folder);
+
+ private:
+  void map_scan(const Frame& scan);
+
+  ElevationMapper map_;
+  site::Site site_;
+  site::SiteMapper mapper_;
+  FrameGatherer gatherer_;
+  SensorNumbers sensors_;
+  SensorPoints points_;
+  mrpt::poses::CPose3D T_map_base_;
+  std::size_t frames_ = 0;
+};
+
+}  // namespace talus::app
