@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace talus::app
 {
@@ -31,6 +32,8 @@ class DriveMap
   /** How many scans reached the map. */
   std::size_t frames() const { return frames_; }
   const ElevationMapper& window() const { return map_; }
+  /** Layers that each frame makes. */
+  void set_layers(const std::vector<Layer>& layers) { map_.set_output_layers(layers); }
   const mrpt::poses::CPose3D& base() const { return T_map_base_; }  //!< in the last frame
   double stamp_s() const { return points_.stamp_s; }  //!< of it
   site::Site& site() { return site_; }

@@ -4,6 +4,7 @@
 #include "../common/run_app.h"
 #include "drive_map.h"
 #include "options.h"
+#include "publisher.h"
 #include "record.h"
 #include "topics.h"
 
@@ -38,6 +39,7 @@ class Live
         stream_(options.source, options.max_wait_s)
   {
     if (options.record) record_.emplace(output_.staging() + "/record.rawlog");
+    if (options.hz > 0) map_.set_layers(publisher_.emplace(network_, options.layers).layers());
     tell(
         "joins domain " + std::to_string(options.domain.value_or(live::domain_of_environment())) +
         ", maps on " + map_.window().backend_name());
@@ -53,6 +55,7 @@ class Live
   }
   void look();
   bool next_scan();
+  void publish();
   void map_scans();
   void tell_state();
   void tell_of_losses();
@@ -62,10 +65,13 @@ class Live
   DriveMap map_;
   std::optional<Record> record_;
   live::Participant network_;
+  std::optional<Publisher> publisher_;
   Topics topics_;
   import::ScanStream stream_;
   import::ImportedScan scan_;
   std::string trouble_;  //!< that was told last
+  double published_s_ = 0;
+  std::size_t published_frames_ = 0;
   std::size_t told_scans_ = 0, told_late_ = 0;
   std::uint64_t told_lost_ = 0;
 };
@@ -113,9 +119,21 @@ void Live::map_scans()
     {
       print_error(std::string(e.what()) + "; it is left out");
     }
+    publish();
   }
+  publish();
   const auto poses = stream_.take_new_poses();
   if (record_) record_->add(poses);
+}
+
+void Live::publish()
+{
+  const double now = now_s();
+  if (!publisher_ || map_.frames() == published_frames_) return;
+  if (std::abs(now - published_s_) < 1 / options_.hz) return;
+  published_s_ = now;
+  published_frames_ = map_.frames();
+  publisher_->publish(map_, stream_.map_frame());
 }
 
 /** What is wrong, when nothing came since it was asked last; and what gets lost. */

@@ -2,6 +2,7 @@
 
 #include "../common/command_line.h"
 
+#include <talus/layers.h>
 #include <talus/mrpt/parameters_ini.h>
 
 namespace talus::app
@@ -15,6 +16,8 @@ constexpr const char* kFooter =
     "the\n"
     "poses that /tf and /tf_static tell, or else a topic with nav_msgs/Odometry. Ctrl-C, or the\n"
     "signal TERM, ends it: then DIR gets site.tif and pictures, as from talus-map.\n"
+    "It publishes /talus/map and /talus/window (nav_msgs/OccupancyGrid), /talus/map_updates,\n"
+    "/talus/obstacles (sensor_msgs/PointCloud2), /talus/path, and with --layers /talus/grid_map.\n"
     "ROS_DOMAIN_ID, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS and\n"
     "CYCLONEDDS_URI count as in ROS.\n"
     "\nExamples:\n"
@@ -85,6 +88,26 @@ void add_map(CLI::App& app, Options& o)
       ->capture_default_str()
       ->type_name("MB");
 }
+void add_output(CLI::App& app, Options& o)
+{
+  app.add_option("--hz", o.hz, "How often the window is published; 0: nothing is published")
+      ->check(between(0.0, 100.0))
+      ->capture_default_str()
+      ->type_name("HZ");
+  app.add_option(
+         "--layers", o.layers,
+         "Layers of the window for /talus/grid_map (grid_map_msgs/GridMap), with commas between")
+      ->delimiter(',')
+      ->check(
+          [](const std::string& name)
+          { return find_layer(name) ? "" : "there is no layer '" + name + "'"; })
+      ->allow_extra_args(false)
+      ->type_name("NAME,...");
+  app.add_option("--output", o.output, "Folder of the results")
+      ->check(not_empty())
+      ->capture_default_str()
+      ->type_name("DIR");
+}
 }  // namespace
 
 void add_options(CLI::App& app, Options& o)
@@ -93,10 +116,7 @@ void add_options(CLI::App& app, Options& o)
   app.footer(kFooter);
   add_input(app, o);
   add_map(app, o);
-  app.add_option("--output", o.output, "Folder of the results")
-      ->check(not_empty())
-      ->capture_default_str()
-      ->type_name("DIR");
+  add_output(app, o);
   app.add_flag(
       "--record", o.record,
       "Also write record.rawlog and record.tum, of which talus-map makes the same map again");

@@ -22,6 +22,9 @@ struct Options
   std::optional<int> threads;
   double memory_mb = 512;  //!< of the site map
 
+  double hz = 5;  //!< of what is published
+  std::vector<std::string> layers;  //!< of /talus/grid_map
+
   std::string output = "live_map";
   bool record = false;  //!< a log is a result, too
   bool quiet = false;
