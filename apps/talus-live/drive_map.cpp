@@ -1,6 +1,9 @@
 #include "drive_map.h"
 
+#include "../common/child_process.h"
 #include "../common/import/rawlog_writer.h"
+#include "../common/output_folder.h"
+#include "../common/run_app.h"
 
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/serialization/CArchive.h>
@@ -30,12 +33,21 @@ mrpt::poses::CPose3D as_in_log(const mrpt::poses::CPose3D& pose)
   archive >> read;
   return read;
 }
+
+/** Before a drive begins in it. */
+site::Site& with_cells_of(const std::string& resume, site::Site& site)
+{
+  if (!resume.empty()) site::read_site_files(resume, site);
+  return site;
+}
 }  // namespace
 
-DriveMap::DriveMap(const Settings& s, double memory_mb, const std::string& folder)
+DriveMap::DriveMap(
+    const Settings& s, double memory_mb, const std::string& folder, const std::string& resume)
     : map_(s.parameters, s.backend, s.threads, s.device.value_or(0)),
-      site_(s.parameters.resolution_m, static_cast<std::size_t>(memory_mb * 1024 * 1024), folder),
-      mapper_(site_)
+      memory_bytes_(static_cast<std::size_t>(memory_mb * 1024 * 1024)),
+      site_(s.parameters.resolution_m, memory_bytes_, folder),
+      mapper_(with_cells_of(resume, site_))
 {
 }
 
@@ -71,12 +83,42 @@ void DriveMap::map_scan(const Frame& scan)
 void DriveMap::finish(const std::string& folder)
 {
   gatherer_.finish([this](const Frame& whole) { map_scan(whole); });
-  mapper_.keep_window(map_);
-  mapper_.look_back(map_);
+  write(map_, folder);
+}
+
+std::optional<int> DriveMap::start_save(const std::string& folder)
+{
+  const auto memory = site_.tiles.memory();
+  if (site_.tiles.tiles_in_memory() < site_.tiles.keys().size() ||
+      memory.open + memory.packed > memory_bytes_ / 2)
+    return std::nullopt;
+  const auto state = map_.save();
+  return start_child(
+      [&]
+      {
+        try
+        {
+          OutputFolder output(folder);
+          write(ElevationMapper(map_.parameters(), state, Backend::Cpu, 1), output.staging());
+          output.commit(kSeal);
+          return 0;
+        }
+        catch (const std::exception& e)
+        {
+          print_error(e.what());
+          return 1;
+        }
+      });
+}
+
+void DriveMap::write(const ElevationMapper& map, const std::string& folder)
+{
+  mapper_.keep_window(map);
+  mapper_.look_back(map);
   const fs::path to(folder);
   site::write_site_files((to / "site.tif").string(), (to / "site.png").string(), site_);
-  const io::LayerStack window = io::snapshot(map_);
-  io::write_geotiff((to / "map.tif").string(), window);
+  const io::LayerStack window = io::snapshot(map);
+  io::write_geotiff((to / kSeal).string(), window);
   io::PictureOptions picture;
   picture.has_robot = true;
   picture.robot_x_m = T_map_base_.x();

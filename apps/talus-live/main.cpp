@@ -8,7 +8,7 @@
 #include "record.h"
 #include "topics.h"
 
-#include <talus/number_text.h>
+#include <sys/wait.h>
 
 #include <chrono>
 #include <cmath>
@@ -33,7 +33,7 @@ class Live
   Live(const Options& options, const Settings& settings)
       : options_(options),
         output_(options.output),
-        map_(settings, options.memory_mb, output_.staging()),
+        map_(settings, options.memory_mb, output_.staging(), options.resume),
         network_(options.domain.value_or(live::domain_of_environment()), "talus_live"),
         topics_(network_, options.source.topics),
         stream_(options.source, options.max_wait_s)
@@ -56,6 +56,7 @@ class Live
   void look();
   bool next_scan();
   void publish();
+  void save(double now);
   void map_scans();
   void tell_state();
   void tell_of_losses();
@@ -70,7 +71,8 @@ class Live
   import::ScanStream stream_;
   import::ImportedScan scan_;
   std::string trouble_;  //!< that was told last
-  double published_s_ = 0;
+  std::optional<int> saving_;  //!< the child that does
+  double published_s_ = 0, saved_s_ = now_s();
   std::size_t published_frames_ = 0;
   std::size_t told_scans_ = 0, told_late_ = 0;
   std::uint64_t told_lost_ = 0;
@@ -95,6 +97,7 @@ void Live::run()
     const double now = now_s();
     if (std::abs(now - looked_s) >= kLook_s) look(), looked_s = now;
     if (std::abs(now - told_s) >= kState_s) tell_state(), told_s = now;
+    if (options_.save_every_min > 0) save(now);
   }
 }
 
@@ -134,6 +137,19 @@ void Live::publish()
   published_s_ = now;
   published_frames_ = map_.frames();
   publisher_->publish(map_, stream_.map_frame());
+}
+
+/** In a child: the map goes on meanwhile. */
+void Live::save(double now)
+{
+  constexpr double kMinute_s = 60;
+  if (saving_ && ::waitpid(*saving_, nullptr, WNOHANG) != 0) saving_.reset();
+  if (saving_ || map_.frames() == 0) return;
+  if (std::abs(now - saved_s_) < options_.save_every_min * kMinute_s) return;
+  saved_s_ = now;
+  saving_ = map_.start_save(options_.output);
+  if (!saving_)
+    print_error("the site is too large for --save-every; --memory allows more, it is written at the end");
 }
 
 /** What is wrong, when nothing came since it was asked last; and what gets lost. */
@@ -195,8 +211,9 @@ void Live::finish()
         "nothing was mapped, nothing is written: " + (why.empty() ? stream_.why_nothing() : why));
   }
   if (record_) record_->close();
+  if (saving_) wait_for_child(*saving_);
   map_.finish(output_.staging());
-  output_.commit("map.tif");
+  output_.commit(kSeal);
   tell(
       std::to_string(map_.frames()) + " frames of " + std::to_string(counts.scans) +
       " scans are mapped: " + options_.output + "/site.tif, site.png, map.tif, map.png");

@@ -82,6 +82,11 @@ void add_map(CLI::App& app, Options& o)
       ->check(CLI::Range(0, 1024))
       ->type_name("N");
   app.add_option(
+         "--resume", o.resume,
+         "Site map of an earlier run to go on with, in the same map frame")
+      ->check(not_empty())
+      ->type_name("SITE.tif");
+  app.add_option(
          "--memory", o.memory_mb,
          "Memory of the site map [MB]; what finds no room waits in the output folder")
       ->check(between(4, 1e7))
@@ -117,6 +122,9 @@ void add_options(CLI::App& app, Options& o)
   add_input(app, o);
   add_map(app, o);
   add_output(app, o);
+  app.add_option("--save-every", o.save_every_min, "Also write the results so often [min]")
+      ->check(between(0.0, 1e5))
+      ->type_name("MIN");
   app.add_flag(
       "--record", o.record,
       "Also write record.rawlog and record.tum, of which talus-map makes the same map again");

@@ -26,6 +26,8 @@ struct Options
   std::vector<std::string> layers;  //!< of /talus/grid_map
 
   std::string output = "live_map";
+  std::string resume;  //!< site map of an earlier run, empty: none
+  double save_every_min = 0;  //!< 0: at the end only
   bool record = false;  //!< a log is a result, too
   bool quiet = false;
 };
