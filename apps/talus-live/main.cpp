@@ -74,8 +74,7 @@ class Live
   std::optional<int> saving_;  //!< the child that does
   double published_s_ = 0, saved_s_ = now_s();
   std::size_t published_frames_ = 0;
-  std::size_t told_scans_ = 0, told_late_ = 0;
-  std::uint64_t told_lost_ = 0;
+  std::size_t told_scans_ = 0, told_late_ = 0, told_missing_ = 0;
 };
 
 /** Who publishes what changes seldom. */
@@ -149,7 +148,8 @@ void Live::save(double now)
   saved_s_ = now;
   saving_ = map_.start_save(options_.output);
   if (!saving_)
-    print_error("the site is too large for --save-every; --memory allows more, it is written at the end");
+    print_error(
+        "the site is too large for --save-every; --memory allows more, it is written at the end");
 }
 
 /** What is wrong, when nothing came since it was asked last; and what gets lost. */
@@ -176,13 +176,15 @@ void Live::tell_state()
 
 void Live::tell_of_losses()
 {
-  constexpr std::size_t kEnough_bytes = std::size_t{16} << 20;
-  const auto lost = topics_.lost();
-  if (lost == told_lost_) return;
-  std::string text = std::to_string(lost - told_lost_) + " clouds were lost on the network";
-  told_lost_ = lost;
-  if (const auto buffer = live::max_receive_buffer(); buffer > 0 && buffer < kEnough_bytes)
-    text += "; the largest has " + std::to_string(topics_.max_bytes()) +
+  constexpr std::size_t kEnough_bytes = std::size_t{16} << 20, kPacket_bytes = 65536;
+  const auto missing = stream_.counts().missing;
+  if (missing == told_missing_) return;
+  std::string text = "by their stamps " + std::to_string(missing - told_missing_) +
+                     " clouds are missing between those that came";
+  told_missing_ = missing;
+  const auto buffer = live::max_receive_buffer();
+  if (topics_.max_bytes() > kPacket_bytes && buffer > 0 && buffer < kEnough_bytes)
+    text += "; one has " + std::to_string(topics_.max_bytes()) +
             " bytes, and sockets get no more than " + std::to_string(buffer) +
             ": sudo sysctl -w net.core.rmem_max=" + std::to_string(kEnough_bytes);
   print_error(text);

@@ -82,8 +82,7 @@ void add_map(CLI::App& app, Options& o)
       ->check(CLI::Range(0, 1024))
       ->type_name("N");
   app.add_option(
-         "--resume", o.resume,
-         "Site map of an earlier run to go on with, in the same map frame")
+         "--resume", o.resume, "Site map of an earlier run to go on with, in the same map frame")
       ->check(not_empty())
       ->type_name("SITE.tif");
   app.add_option(
@@ -103,9 +102,8 @@ void add_output(CLI::App& app, Options& o)
          "--layers", o.layers,
          "Layers of the window for /talus/grid_map (grid_map_msgs/GridMap), with commas between")
       ->delimiter(',')
-      ->check(
-          [](const std::string& name)
-          { return find_layer(name) ? "" : "there is no layer '" + name + "'"; })
+      ->check([](const std::string& name)
+              { return find_layer(name) ? "" : "there is no layer '" + name + "'"; })
       ->allow_extra_args(false)
       ->type_name("NAME,...");
   app.add_option("--output", o.output, "Folder of the results")

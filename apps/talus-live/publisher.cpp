@@ -61,8 +61,8 @@ void Publisher::publish(DriveMap& map, const std::string& frame)
 {
   const live::Header header{map.stamp_s(), frame};
   const io::LayerStack window = window_of(map);
-  const live::Grid grid{window.cells_x, window.cells_y, window.resolution_m, window.min_x_m,
-                        window.min_y_m, formats::ros_cells(window, kOccupancy)};
+  const live::Grid grid{window.cells_x, window.cells_y, window.resolution_m,
+                        window.min_x_m, window.min_y_m, formats::ros_cells(window, kOccupancy)};
   window_.write(live::grid_message(header, grid));
   if (obstacles_.subscribers() > 0)
   {

@@ -43,11 +43,7 @@ std::vector<std::string> Topics::look(const import::ScanStream& stream)
         std::make_unique<live::Subscription>(network_, offer.topic, offer.type, quality), is_cloud};
   }
   for (auto heard = heard_.begin(); heard != heard_.end();)
-  {
-    const bool is_left = !stream.wants(heard->first);
-    if (is_left) lost_before_ += heard->second.messages->lost();
-    heard = is_left ? heard_.erase(heard) : std::next(heard);
-  }
+    heard = stream.wants(heard->first) ? std::next(heard) : heard_.erase(heard);
   return news;
 }
 
@@ -65,14 +61,6 @@ void Topics::take_into(import::ScanStream& stream, double now_s)
   for (const bool is_cloud : {false, true})
     for (auto& [topic, heard] : heard_)
       if (heard.is_cloud == is_cloud) take_into(stream, heard, now_s);
-}
-
-std::uint64_t Topics::lost() const
-{
-  std::uint64_t sum = lost_before_;
-  for (const auto& [topic, heard] : heard_)
-    if (heard.is_cloud) sum += heard.messages->lost();
-  return sum;
 }
 
 std::string Topics::why_nothing() const

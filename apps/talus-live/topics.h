@@ -2,7 +2,7 @@
 #include <talus/import/scan_stream.h>
 #include <talus/live/network.h>
 
-#include <cstdint>
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <set>
@@ -23,8 +23,6 @@ class Topics
   /** Gives the stream all that has come, clouds last. */
   void take_into(import::ScanStream& stream, double now_s);
 
-  /** Clouds that were published and did not get here. */
-  std::uint64_t lost() const;
   /** The bytes of the largest message so far. */
   std::size_t max_bytes() const { return max_bytes_; }
   /** Why nothing comes; empty: something is published. */
@@ -45,7 +43,6 @@ class Topics
   std::map<std::string, Heard> heard_;  //!< by topic
   std::vector<live::Offer> offers_;  //!< of the last look
   std::set<std::string> told_;
-  std::uint64_t lost_before_ = 0;  //!< of topics that are left
   std::size_t max_bytes_ = 0;
 };
 

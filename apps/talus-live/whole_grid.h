@@ -23,8 +23,8 @@ class WholeGrid
     void add(std::int64_t x, std::int64_t y, std::int64_t cells);
   };
 
-  /** Looks at tiles that have changed; `window` has `cells`, which count before those of tiles where
-   * they are known. Another floor begins anew. */
+  /** Looks at tiles that have changed; `window` has `cells`, which count before those of tiles
+   * where they are known. Another floor begins anew. */
   void update(
       site::TileStore& tiles, int floor, const Window& window,
       const std::vector<std::int8_t>& cells);

@@ -24,7 +24,9 @@ into() {  # dpkg of a folder: what other packages have to be there is not looked
 say "making"
 (cd "$build" && cpack -G DEB -B "$scratch/made" >"$scratch/cpack.txt" 2>&1) || { tail -20 "$scratch/cpack.txt"; stop "cpack"; }
 mapfile -t debs < <(find "$scratch/made" -name '*.deb' | sort)
-[ ${#debs[@]} -eq 3 ] || stop "not three packages: ${debs[*]}"
+expected=3
+[ ! -e "$build/bin/talus-live" ] || expected=4
+[ ${#debs[@]} -eq $expected ] || stop "not $expected packages: ${debs[*]}"
 for deb in "${debs[@]}"; do
   dpkg-deb --field "$deb" Package Version Depends | cut -c 1-110
 done

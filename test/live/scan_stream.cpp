@@ -147,6 +147,15 @@ TEST(ScanStream, takes_no_scan_twice_and_none_of_another_time)
   EXPECT_NE(robot.news().find("gone back"), std::string::npos);
 }
 
+TEST(ScanStream, tells_by_the_stamps_what_got_lost)
+{
+  Heard robot;
+  robot.say_mounting();
+  for (int i = 0; i < 30; ++i)
+    if (i < 10 || i % 4 == 0) robot.say_cloud(0.1 * i, 0.1 * i);
+  EXPECT_EQ(robot.stream.counts().missing, 2U + 4 * 3);
+}
+
 TEST(ScanStream, drops_the_times_of_points_where_poses_end_before_them)
 {
   auto points = floor_points();

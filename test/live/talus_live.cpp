@@ -180,6 +180,23 @@ TEST(TalusLive, saves_while_it_maps_and_goes_on_with_a_map)
   EXPECT_TRUE(read_bytes(dir / "live/site.tif") == read_bytes(dir / "map/site.tif"));
 }
 
+TEST(TalusLive, hears_the_dds_of_another_vendor)
+{
+#ifdef TALUS_FASTDDS_TALKER
+  own_domain();
+  const ScratchDir dir;
+  const pid_t live =
+      start(dir / "", command("talus-live --backend cpu --output live >live.txt 2>&1"));
+  expect_end(run_in(dir / "", TALUS_FASTDDS_TALKER), 0, {"published"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(end(live, SIGTERM, dir / "live.txt"), 0);
+  const std::string said = read_bytes(dir / "live.txt");
+  EXPECT_NE(said.find("9 frames of 9 scans are mapped"), std::string::npos) << said;
+#else
+  GTEST_SKIP() << "there is no libfastrtps-dev";
+#endif
+}
+
 TEST(TalusLive, writes_nothing_where_nobody_publishes)
 {
   own_domain();

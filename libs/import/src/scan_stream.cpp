@@ -1,10 +1,12 @@
 #include <talus/import/scan_stream.h>
+#include <talus/io/quantile.h>
 #include <talus/number_text.h>
 
 #include <mrpt/core/Clock.h>
 #include <mrpt/poses/CPose3DQuat.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <limits>
 #include <map>
@@ -62,7 +64,26 @@ struct Sensor
   std::optional<double> time_unit_s;
   std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
   StampOffsets offsets;
+  std::deque<double> apart_s;  //!< its last scans
+
+  /** How many scans are missing before one so much later than the one before. */
+  std::size_t missing(double gap_s);
 };
+
+std::size_t Sensor::missing(double gap_s)
+{
+  constexpr std::size_t kMin = 3, kMax = 20;
+  constexpr double kUsual = 0.2, kMaxMissing = 1000;  // few are closer together: others are missing
+  std::size_t count = 0;
+  if (apart_s.size() >= kMin)
+  {
+    const double period_s = io::quantile(std::vector(apart_s.begin(), apart_s.end()), kUsual);
+    count = static_cast<std::size_t>(std::min(std::round(gap_s / period_s), kMaxMissing));
+  }
+  apart_s.push_back(gap_s);
+  if (apart_s.size() > kMax) apart_s.pop_front();
+  return count > 1 ? count - 1 : 0;
+}
 
 /** A cloud whose poses are not known yet. */
 struct Waiting
@@ -350,6 +371,7 @@ void ScanStream::Impl::await(
     cloud.first_s = *first;
     cloud.last_s = *last;
   }
+  if (sensor.last_ns > 0) counts.missing += sensor.missing(seconds(stamp_ns - sensor.last_ns));
   sensor.last_ns = stamp_ns;
   waiting.push_back(std::move(cloud));
   if (waiting.size() <= kMaxWaiting) return;

@@ -380,13 +380,6 @@ std::optional<std::string_view> Subscription::take()
   return std::nullopt;
 }
 
-std::uint64_t Subscription::lost() const
-{
-  dds_sample_lost_status_t status{};
-  dds_get_sample_lost_status(impl_->reader, &status);
-  return status.total_count;
-}
-
 int Subscription::publishers() const
 {
   dds_subscription_matched_status_t status{};

@@ -16,6 +16,7 @@ struct StreamCounts
   std::size_t without_times = 0;  //!< of these: the poses ended before the last of their points
   std::size_t late = 0;  //!< left out: no pose or mounting came in time
   std::size_t dropped = 0;  //!< left out: they came faster than they were taken
+  std::size_t missing = 0;  //!< did not come, as the stamps of others tell
   std::size_t stale = 0;  //!< left out: not newer than the scan before of the same sensor
   std::size_t refused = 0;  //!< left out: damaged, or not readable as a scan
 };

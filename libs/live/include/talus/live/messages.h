@@ -14,15 +14,15 @@ namespace talus::live
 struct Header
 {
   double stamp_s = 0;  //!< since the epoch
-  std::string frame;
+  std::string frame;  //!< by its name in TF
 };
 
 /** geometry_msgs/TransformStamped: a frame in that of the header. */
 struct Link
 {
-  Header header;
-  std::string child;
-  mrpt::poses::CPose3D T_parent_child;
+  Header header;  //!< of the parent
+  std::string child;  //!< the name of the frame
+  mrpt::poses::CPose3D T_parent_child;  //!< where it is
 };
 
 /** Points of a cloud; the vectors are empty, or have a value a point. */
@@ -30,15 +30,16 @@ struct CloudPoints
 {
   /** In the frame of the header [m]. */
   std::vector<float> x_m, y_m, z_m;
-  std::vector<float> intensity;
+  std::vector<float> intensity;  //!< in whatever unit
   std::vector<float> time_s;  //!< after the stamp of the header
 };
 
 /** Cells of nav_msgs/OccupancyGrid: 0 free, 100 occupied, -1 unknown. */
 struct Grid
 {
-  int cells_x = 0, cells_y = 0;
-  double resolution_m = 0, min_x_m = 0, min_y_m = 0;
+  int cells_x = 0, cells_y = 0;  //!< along each axis
+  double resolution_m = 0;  //!< side of a cell
+  double min_x_m = 0, min_y_m = 0;  //!< outer corner of the first cell
   std::vector<std::int8_t> cells;  //!< row by row, the southern one first
 };
 

@@ -82,8 +82,6 @@ class Subscription
 
   /** The next message, where one has come; valid until the next call. */
   std::optional<std::string_view> take();
-  /** Messages that were published and did not get here. */
-  std::uint64_t lost() const;
   /** How many publish the topic now. */
   int publishers() const;
 
