@@ -5,7 +5,6 @@
 #include "../common/crash_context.h"
 
 #include <talus/io/rawlog_reader.h>
-#include <talus/mrpt/observation_points.h>
 #include <talus/number_text.h>
 
 #include <algorithm>
@@ -20,9 +19,6 @@ namespace talus::app
 {
 namespace
 {
-constexpr double kPathStep_s = 0.01;  // a robot that turns at 1 rad/s turns 0.6 degrees in it
-constexpr int kMaxPathPoses = 64;
-
 std::string seconds(double s)
 {
   char text[40];
@@ -107,28 +103,8 @@ std::optional<mrpt::poses::CPose3D> PoseSource::base_at(double stamp_s) const
 
 std::vector<TimedPose> PoseSource::sensor_path(const SensorPoints& scan) const
 {
-  if (robot_is_static_ || scan.time_s.empty()) return {};
-  float first = HUGE_VALF, last = -HUGE_VALF;
-  for (const float t : scan.time_s)
-    if (std::isfinite(t))
-    {
-      first = std::min(first, t);
-      last = std::max(last, t);
-    }
-  const double span_s = static_cast<double>(last) - first;
-  if (!(span_s > 0)) return {};
-
-  const int steps =
-      static_cast<int>(std::clamp(std::ceil(span_s / kPathStep_s), 1.0, kMaxPathPoses - 1.0));
-  std::vector<TimedPose> path;
-  for (int i = 0; i <= steps; ++i)
-  {
-    const double t = first + span_s * i / steps;
-    if (const auto T_map_base = base_at(scan.stamp_s + t))
-      path.push_back({t, pose_from(*T_map_base + scan.T_base_sensor)});
-  }
-  if (path.size() < 2) path.clear();
-  return path;
+  if (robot_is_static_) return {};
+  return talus::sensor_path(scan, [this](double stamp_s) { return base_at(stamp_s); });
 }
 
 std::string PoseSource::why_no_pose(double first_stamp_s, double last_stamp_s) const

@@ -1,5 +1,6 @@
 # Debian packages of what install() copies, by `cpack -G DEB` in the build (./dev package):
 #   talus               commands with their manuals, and the configurations and worlds in /usr/share/talus
+#   talus-live          the commands that talk to robots with ROS 2, where Cyclone DDS is there
 #   talus-mrpt-plugin   libtalus-mrpt.so, where loadPluginModules("libtalus-mrpt.so") finds it
 #   python3-talus       import talus, where the build has it
 #   libtalus-dev        static libraries, headers, what find_package(talus) reads, examples
@@ -32,6 +33,9 @@ set(TALUS_PACKAGES talus talus-mrpt-plugin libtalus-dev)
 if(NOT TALUS_WITH_MRPT)
   set(CPACK_COMPONENTS_ALL dev)
   set(TALUS_PACKAGES libtalus-dev)
+elseif(TARGET talus_live)
+  list(APPEND CPACK_COMPONENTS_ALL live)
+  list(APPEND TALUS_PACKAGES talus-live)
 endif()
 if(TALUS_PYTHON_MODULE)
   list(APPEND CPACK_COMPONENTS_ALL python)
@@ -44,6 +48,12 @@ set(CPACK_DEBIAN_COMMANDS_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_DEPENDS "fonts-dejavu-core, libjs-leaflet, python3:any")  # the letters of pictures
 set(CPACK_DEBIAN_COMMANDS_PACKAGE_SUGGESTS "talus-mrpt-plugin, snakemake")
 set(CPACK_COMPONENT_COMMANDS_DESCRIPTION "Maps of the terrain around ground robots, from rawlogs of MRPT: commands")
+set(CPACK_DEBIAN_LIVE_PACKAGE_NAME talus-live)
+set(CPACK_DEBIAN_LIVE_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_LIVE_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_LIVE_PACKAGE_DEPENDS "fonts-dejavu-core")
+set(CPACK_DEBIAN_LIVE_PACKAGE_SUGGESTS talus)
+set(CPACK_COMPONENT_LIVE_DESCRIPTION "Maps of the terrain around ground robots, live from robots with ROS 2")
 set(CPACK_DEBIAN_PLUGIN_PACKAGE_NAME talus-mrpt-plugin)
 set(CPACK_DEBIAN_PLUGIN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PLUGIN_PACKAGE_SHLIBDEPS ON)

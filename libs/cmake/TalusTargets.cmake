@@ -83,19 +83,21 @@ set(whatis_talus-calibrate "find mounting, clock and noise of a LiDAR from the l
 set(whatis_talus-compare "judge terrain maps against truth and against each other")
 set(whatis_talus-export "write a map of terrain in formats of other programs, or as a page")
 set(whatis_talus-import "make a rawlog of scan files and ROS 2 bags")
+set(whatis_talus-live "map the terrain around a robot with ROS 2 while it drives")
 set(whatis_talus-map "map the terrain of a drive and where a robot can drive there")
 set(whatis_talus-merge "make one terrain map of several, or tell what changed")
 set(whatis_talus-nav "drive a simulated robot to a goal by its terrain map")
+set(whatis_talus-replay "publish a recorded drive on the network of ROS 2")
 set(whatis_talus-sim "simulate the LiDAR of a robot that drives through a world")
 
 # talus_add_manual(NAME PROGRAM): a page of section 1 for a command of the package, where Debian's help2man is there; and
 # the completion of its options.
 function(talus_add_manual name program)
-  if(TALUS_APP_COMPONENT STREQUAL "commands")
+  if(TALUS_APP_COMPONENT MATCHES "^(commands|live)$")
     install(FILES "${PROJECT_SOURCE_DIR}/apps/common/completion.bash" RENAME ${name}
-      DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT commands)
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT ${TALUS_APP_COMPONENT})
   endif()
-  if(NOT TALUS_HELP2MAN OR CMAKE_CROSSCOMPILING OR TALUS_SANITIZER OR NOT TALUS_APP_COMPONENT STREQUAL "commands")
+  if(NOT TALUS_HELP2MAN OR CMAKE_CROSSCOMPILING OR TALUS_SANITIZER OR NOT TALUS_APP_COMPONENT MATCHES "^(commands|live)$")
     return()
   endif()
   set(page "${PROJECT_BINARY_DIR}/man/${name}.1.gz")
@@ -105,7 +107,7 @@ function(talus_add_manual name program)
       "--output=${PROJECT_BINARY_DIR}/man/${name}.1" "${program}"
     COMMAND gzip -9nf "${PROJECT_BINARY_DIR}/man/${name}.1")
   add_custom_target(${name}.1 ALL DEPENDS "${page}")
-  install(FILES "${page}" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT commands OPTIONAL)
+  install(FILES "${page}" DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT ${TALUS_APP_COMPONENT} OPTIONAL)
 endfunction()
 
 # talus_add_app(NAME SOURCES...): a command; options.cpp, where it has one, reads its command line. Its manual is what

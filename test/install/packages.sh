@@ -25,7 +25,8 @@ say "making"
 (cd "$build" && cpack -G DEB -B "$scratch/made" >"$scratch/cpack.txt" 2>&1) || { tail -20 "$scratch/cpack.txt"; stop "cpack"; }
 mapfile -t debs < <(find "$scratch/made" -name '*.deb' | sort)
 count=3
-[ ! -e "$build/python/talus" ] || count=4
+[ ! -e "$build/python/talus" ] || count=$((count + 1))
+[ ! -e "$build/bin/talus-live" ] || count=$((count + 1))
 [ ${#debs[@]} -eq $count ] || stop "not $count packages: ${debs[*]}"
 for deb in "${debs[@]}"; do
   dpkg-deb --field "$deb" Package Version Depends | cut -c 1-110

@@ -26,6 +26,9 @@ struct ImportOptions
  * options. */
 void add_import_options(CLI::App& app, ImportOptions& options);
 
+/** Takes the mounting of a sensor, "LABEL=X,Y,Z,YAW,PITCH,ROLL". What is wrong with it, or "". */
+std::string read_mounting(const std::string& text, SourceOptions& options);
+
 /** What a log was made of. */
 struct ImportedLog
 {

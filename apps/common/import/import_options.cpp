@@ -11,9 +11,6 @@
 
 namespace talus::import
 {
-namespace
-{
-/** A mounting, or "LABEL=" and one. What is wrong, or "". */
 std::string read_mounting(const std::string& text, SourceOptions& options)
 {
   const auto sign = text.rfind('=');
@@ -33,6 +30,8 @@ std::string read_mounting(const std::string& text, SourceOptions& options)
   return "";
 }
 
+namespace
+{
 /** An option with two words; `value` is whether it is the second, `first` whether the first was
  * said. */
 void add_choice(

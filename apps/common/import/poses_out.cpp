@@ -4,7 +4,6 @@
 #include "../crash_context.h"
 #include "rawlog_writer.h"
 
-#include <mrpt/poses/CPose3DQuat.h>
 #include <talus/import/kitti_poses.h>
 #include <talus/input_file.h>
 #include <talus/io/atomic_file.h>
@@ -26,15 +25,7 @@ bool is_simplemap(const std::string& path)
 std::string text_of(const io::Trajectory& trajectory)
 {
   std::string text = "# t[s] x[m] y[m] z[m] qx qy qz qw of the base in the map\n";
-  for (const auto& entry : trajectory.entries())
-  {
-    const mrpt::poses::CPose3DQuat p(entry.T_map_base);
-    const auto& q = p.quat();
-    text += exact_number_text(stamp_in_log_s(entry.time_s));
-    for (const double number : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.r()})
-      text += " " + exact_number_text(number);
-    text += "\n";
-  }
+  for (const auto& entry : trajectory.entries()) text += io::tum_line(entry);
   return text;
 }
 

@@ -55,10 +55,10 @@ mrpt::maps::CPointsMap::Ptr cloud_of(const ImportedScan& scan)
   return points;
 }
 
-mrpt::obs::CObservationPointCloud cloud_observation(const ImportedScan& scan)
+mrpt::obs::CObservation::Ptr cloud_observation(const ImportedScan& scan)
 {
-  mrpt::obs::CObservationPointCloud obs;
-  obs.pointcloud = cloud_of(scan);
+  auto obs = mrpt::obs::CObservationPointCloud::Create();
+  obs->pointcloud = cloud_of(scan);
   return obs;
 }
 
@@ -71,11 +71,11 @@ std::vector<std::uint8_t> intensity_in_bytes(const ImportedScan& scan, const Poi
   return bytes;
 }
 
-mrpt::obs::CObservationVelodyneScan timed_observation(
-    const ImportedScan& scan, const PointNotes& notes)
+mrpt::obs::CObservation::Ptr timed_observation(const ImportedScan& scan, const PointNotes& notes)
 {
   using Duration = mrpt::Clock::duration;
-  mrpt::obs::CObservationVelodyneScan obs;
+  auto made = mrpt::obs::CObservationVelodyneScan::Create();
+  auto& obs = *made;
   obs.timestamp = mrpt::Clock::fromDouble(scan.time_s);
   obs.minRange = 0;
   auto& points = obs.point_cloud;
@@ -90,7 +90,7 @@ mrpt::obs::CObservationVelodyneScan timed_observation(
     points.timestamp.push_back(
         obs.timestamp +
         std::chrono::duration_cast<Duration>(std::chrono::duration<double>(time_s)));
-  return obs;
+  return made;
 }
 
 bool is_timed(const ImportedScan& scan) { return !scan.point_time_s.empty() && scan.rgb.empty(); }
@@ -99,6 +99,15 @@ bool is_timed(const ImportedScan& scan) { return !scan.point_time_s.empty() && s
 double stamp_in_log_s(double time_s)
 {
   return mrpt::Clock::toDouble(mrpt::Clock::fromDouble(time_s));
+}
+
+mrpt::obs::CObservation::Ptr observation_of(const ImportedScan& scan, const PointNotes& notes)
+{
+  auto obs = is_timed(scan) ? timed_observation(scan, notes) : cloud_observation(scan);
+  obs->timestamp = mrpt::Clock::fromDouble(scan.time_s);
+  obs->sensorLabel = scan.sensor_label;
+  obs->setSensorPose(scan.T_base_sensor);
+  return obs;
 }
 
 struct RawlogWriter::Impl
@@ -138,15 +147,6 @@ struct RawlogWriter::Impl
     n.least = least;
     n.is_guess = false;
   }
-  template <class Observation>
-  void put(Observation obs, const ImportedScan& scan)
-  {
-    obs.timestamp = mrpt::Clock::fromDouble(scan.time_s);
-    obs.sensorLabel = scan.sensor_label;
-    obs.sensorPose = scan.T_base_sensor;
-    log.write(obs);
-  }
-
   io::PackedLog log;
   PointNotes notes;
   float min = 0, max = 0;  //!< intensity
@@ -187,10 +187,12 @@ RawlogWriter::~RawlogWriter() = default;
 void RawlogWriter::write(const ImportedScan& scan)
 {
   if (impl_->scans++ == 0) impl_->begin(scan);
-  if (!is_timed(scan)) return impl_->put(cloud_observation(scan), scan);
-  impl_->note_range(scan);
-  impl_->has_bytes = true;
-  impl_->put(timed_observation(scan, impl_->notes), scan);
+  if (is_timed(scan))
+  {
+    impl_->note_range(scan);
+    impl_->has_bytes = true;
+  }
+  impl_->log.write(*observation_of(scan, impl_->notes));
 }
 
 const PointNotes& RawlogWriter::notes() const { return impl_->notes; }

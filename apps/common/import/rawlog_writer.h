@@ -1,4 +1,5 @@
 #pragma once
+#include <mrpt/obs/CObservation.h>
 #include <talus/import/scan_source.h>
 
 #include <memory>
@@ -21,9 +22,13 @@ struct PointNotes
 };
 PointNotes notes_from(const std::string& comment);
 
-/** Writes scans as observations, gz-packed as what talus-sim writes: a CObservationPointCloud, or,
- * where points have times and no colours, a decoded CObservationVelodyneScan: the one class that
- * keeps them in every version of MRPT. That has bytes for intensities. */
+/** A scan as a log keeps it: a CObservationPointCloud, or, where points have times and no colours,
+ * a decoded CObservationVelodyneScan: the one class that keeps them in every version of MRPT. That
+ * has bytes for intensities. */
+mrpt::obs::CObservation::Ptr observation_of(
+    const ImportedScan& scan, const PointNotes& notes = {});
+
+/** Writes scans, see observation_of(), gz-packed as what talus-sim writes. */
 class RawlogWriter
 {
  public:

@@ -80,6 +80,14 @@ std::string yaml_of(const io::LayerStack& map, const std::string& picture, RosMo
 }
 }  // namespace
 
+std::vector<std::int8_t> ros_cells(const io::LayerStack& map, const Occupancy& o)
+{
+  std::vector<std::int8_t> cells;
+  for (const Kind kind : kinds_of(map, o))
+    cells.push_back(kind == Kind::Unknown ? -1 : kind == Kind::Free ? 0 : 100);
+  return cells;
+}
+
 void write_ros_map(
     const std::string& path, const io::LayerStack& map, RosMode mode, const Occupancy& o)
 {

@@ -34,6 +34,12 @@ CPose3D between(const StampedPose& a, const StampedPose& b, std::int64_t stamp_n
 }
 }  // namespace
 
+bool is_of_robot(const std::string& frame, const std::string& name)
+{
+  const auto slash = frame.rfind('/');
+  return slash != std::string::npos && frame.substr(slash + 1) == name;
+}
+
 bool PoseHistory::add(std::int64_t stamp_ns, const TPose3DQuat& pose)
 {
   if (!all_.empty())
@@ -50,6 +56,13 @@ void PoseHistory::sort()
   std::stable_sort(
       all_.begin(), all_.end(),
       [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns < b.stamp_ns; });
+}
+
+void PoseHistory::forget_before(std::int64_t stamp_ns)
+{
+  const auto first = std::find_if(
+      all_.begin(), all_.end(), [&](const StampedPose& p) { return p.stamp_ns >= stamp_ns; });
+  all_.erase(all_.begin(), first);
 }
 
 std::optional<CPose3D> PoseHistory::at(std::int64_t stamp_ns) const
@@ -103,6 +116,16 @@ void FrameTree::keep_ways_of(const std::vector<std::string>& frames)
   }
 }
 
+void FrameTree::forget_before(std::int64_t stamp_ns)
+{
+  size_ = 0;
+  for (auto& [child, link] : links_)
+  {
+    link.moving.forget_before(stamp_ns);
+    size_ += link.moving.all().size();
+  }
+}
+
 bool FrameTree::has(const std::string& frame) const
 {
   return links_.count(frame) > 0 ||
@@ -115,6 +138,20 @@ std::vector<std::string> FrameTree::frames() const
   std::set<std::string> all;
   for (const auto& [child, link] : links_) all.insert({child, link.parent});
   return {all.begin(), all.end()};
+}
+
+std::string FrameTree::named(const std::vector<std::string>& names) const
+{
+  for (const auto& name : names)
+    if (has(name)) return name;
+  for (const auto& name : names)
+  {
+    std::vector<std::string> found;
+    for (const auto& frame : frames())
+      if (is_of_robot(frame, name)) found.push_back(frame);
+    if (found.size() == 1) return found[0];
+  }
+  return "";
 }
 
 FrameTree::Way FrameTree::way_to_root(const std::string& frame) const
@@ -167,6 +204,23 @@ std::optional<CPose3D> FrameTree::T_between(
   const auto T_common_to = T_along(both->second, stamp_ns);
   if (!T_common_from || !T_common_to) return std::nullopt;
   return *T_common_to - *T_common_from;
+}
+
+std::optional<std::int64_t> FrameTree::known_until(
+    const std::string& from, const std::string& to) const
+{
+  const auto both = ways(from, to);
+  std::optional<std::int64_t> until;
+  if (!both) return until;
+  for (const auto* way : {&both->first, &both->second})
+    for (const auto* link : *way)
+      if (!link->fixed)
+      {
+        if (link->moving.all().empty()) return std::nullopt;
+        const auto last = link->moving.all().back().stamp_ns;
+        until = std::min(until.value_or(last), last);
+      }
+  return until;
 }
 
 std::vector<std::int64_t> FrameTree::times_between(

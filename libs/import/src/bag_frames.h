@@ -19,6 +19,9 @@ struct StampedPose
   mrpt::math::TPose3DQuat pose;
 };
 
+/** Whether `frame` is `name` of some robot: "robot1/base_link". */
+bool is_of_robot(const std::string& frame, const std::string& name);
+
 /** Poses over time, little memory each; of those that come faster than 200 Hz not all. */
 class PoseHistory
 {
@@ -31,6 +34,8 @@ class PoseHistory
   std::optional<mrpt::poses::CPose3D> at(std::int64_t stamp_ns) const;
   const std::vector<StampedPose>& all() const { return all_; }
   void clear() { all_ = {}; }
+  /** Of a sorted one. */
+  void forget_before(std::int64_t stamp_ns);
 
  private:
   std::vector<StampedPose> all_;
@@ -49,9 +54,14 @@ class FrameTree
   void keep_ways_of(const std::vector<std::string>& frames);
   /** Poses in all histories. */
   std::size_t size() const { return size_; }
+  /** Of sorted ones. */
+  void forget_before(std::int64_t stamp_ns);
 
   bool has(const std::string& frame) const;
   std::vector<std::string> frames() const;
+  /** The first frame that has one of the names; else the only one of some robot's,
+   * "robot1/base_link". Empty: none. */
+  std::string named(const std::vector<std::string>& names) const;
   bool connects(const std::string& a, const std::string& b) const;
 
   /** Nothing where no chain connects them, or one of its links is not known at that time. */
@@ -60,6 +70,8 @@ class FrameTree
 
   /** The times at which the chain moves: those of the link that is told most often. */
   std::vector<std::int64_t> times_between(const std::string& from, const std::string& to) const;
+  /** Until when all of its moving links are known; nothing where none moves. */
+  std::optional<std::int64_t> known_until(const std::string& from, const std::string& to) const;
 
   /** Frames with two parents. */
   const std::set<std::string>& conflicts() const { return conflicts_; }

@@ -58,21 +58,6 @@ BagMotion::BagMotion(
         ": the one that comes first in the bag is used");
 }
 
-/** Of frames in TF the first that has one of the names; else the only one of some robot's. */
-std::string BagMotion::known_frame(const std::vector<std::string>& names) const
-{
-  for (const auto& name : names)
-    if (tree_.has(name)) return name;
-  for (const auto& name : names)
-  {
-    std::vector<std::string> found;
-    for (const auto& frame : tree_.frames())
-      if (is_of_robot(frame, name)) found.push_back(frame);
-    if (found.size() == 1) return found[0];
-  }
-  return "";
-}
-
 void BagMotion::fail_without(
     const std::string& frame, const std::string& option, const std::string& path) const
 {
@@ -91,7 +76,7 @@ void BagMotion::choose_base(const SourceOptions& options, const std::string& pat
   base_ = options.base_frame;
   if (!base_.empty() && !tree_.has(base_) && !is_child(base_))
     fail_without(base_, "--base-frame", path);
-  if (base_.empty()) base_ = known_frame({"base_link", "base_footprint"});
+  if (base_.empty()) base_ = tree_.named({"base_link", "base_footprint"});
   for (const auto& topic : pose_topics_)
     if (base_.empty()) base_ = topic.child;
 }
@@ -108,7 +93,7 @@ void BagMotion::choose_map(const SourceOptions& options, const std::string& path
   if (!map_.empty() && !tree_.has(map_) && !is_map(map_)) fail_without(map_, "--map-frame", path);
   if (!map_.empty()) return;
   for (const char* name : {"map", "odom"})
-    if (const auto frame = known_frame({name});
+    if (const auto frame = tree_.named({name});
         map_.empty() && !frame.empty() && !tree_.times_between(frame, base_).empty())
       map_ = frame;
 }

@@ -19,9 +19,6 @@
 
 namespace talus::import
 {
-/** Whether `frame` is `name` of some robot: "robot1/base_link". */
-bool is_of_robot(const std::string& frame, const std::string& name);
-
 /** Points that the last message may have by its bytes in the file. */
 std::uint64_t most_points(const BagReader& reader);
 
@@ -98,7 +95,6 @@ class BagMotion
   void take_from(const PoseTopic& topic, const BagReader& reader);
   const PoseTopic* named_topic(BagReader& reader, const SourceOptions& options) const;
   std::string topics_text(BagReader& reader) const;
-  std::string known_frame(const std::vector<std::string>& names) const;
   [[noreturn]] void fail_without(
       const std::string& frame, const std::string& option, const std::string& path) const;
   bool is_fixed(const std::string& frame) const;

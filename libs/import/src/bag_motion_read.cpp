@@ -15,12 +15,6 @@ std::uint64_t most_points(const BagReader& reader)
   return std::max(kFewPoints, reader.stored_bytes());
 }
 
-bool is_of_robot(const std::string& frame, const std::string& name)
-{
-  const auto slash = frame.rfind('/');
-  return slash != std::string::npos && frame.substr(slash + 1) == name;
-}
-
 void BagMotion::read(BagReader& reader, const std::vector<BagRole>& roles)
 {
   std::vector<bool> wanted;

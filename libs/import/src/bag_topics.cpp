@@ -8,8 +8,6 @@
 
 namespace talus::import
 {
-namespace
-{
 BagRole role_of(const BagTopic& topic)
 {
   static const std::map<std::string, BagRole> kRoles = {
@@ -28,6 +26,8 @@ BagRole role_of(const BagTopic& topic)
   return is_static ? BagRole::TfStatic : known->second;
 }
 
+namespace
+{
 bool is_in(const std::vector<std::string>& names, const std::string& name)
 {
   return std::find(names.begin(), names.end(), name) != names.end();

@@ -18,6 +18,9 @@ enum class BagRole
   Path
 };
 
+/** By its name, type and encoding. */
+BagRole role_of(const BagTopic& topic);
+
 /** One role a topic. `wanted` (all, where none is named): the clouds of these topics, and the poses
  * of one of them. Throws std::runtime_error that names `path` where there are no such clouds, and
  * lists what there is. */

@@ -1,6 +1,9 @@
+#include <mrpt/core/Clock.h>
+#include <mrpt/poses/CPose3DQuat.h>
 #include <talus/input_file.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/io/trajectory.h>
+#include <talus/number_text.h>
 #include <talus/text.h>
 
 #include <algorithm>
@@ -194,6 +197,23 @@ std::vector<Trajectory::Entry> load_tum(const std::string& path)
 }
 
 }  // namespace
+
+std::string tum_line(const Trajectory::Entry& entry)
+{
+  const mrpt::poses::CPose3DQuat p(entry.T_map_base);
+  const auto& q = p.quat();
+  std::string text =
+      exact_number_text(mrpt::Clock::toDouble(mrpt::Clock::fromDouble(entry.time_s)));
+  for (const double number : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.r()})
+    text += " " + exact_number_text(number);
+  return text + "\n";
+}
+
+Trajectory::Entry as_in_tum(const Trajectory::Entry& entry)
+{
+  const std::string line = tum_line(entry);
+  return parse_line(words_of(std::string_view(line).substr(0, line.size() - 1)), "", 1);
+}
 
 Trajectory Trajectory::load(const std::string& path)
 {

@@ -10,6 +10,7 @@
 #include <talus/io/mrpt_error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "observation_points_detail.h"
@@ -123,6 +124,35 @@ std::uint32_t SensorNumbers::number_of(const std::string& label)
         " that one map tells apart: a sensor keeps its label from scan to scan");
   labels_.push_back(label);
   return number;
+}
+
+std::vector<TimedPose> sensor_path(
+    const SensorPoints& points,
+    const std::function<std::optional<mrpt::poses::CPose3D>(double stamp_s)>& base_at)
+{
+  constexpr double kPathStep_s = 0.01;  // a robot that turns at 1 rad/s turns 0.6 degrees in it
+  constexpr double kMaxPathPoses = 64;
+  float first = HUGE_VALF, last = -HUGE_VALF;
+  for (const float t : points.time_s)
+    if (std::isfinite(t))
+    {
+      first = std::min(first, t);
+      last = std::max(last, t);
+    }
+  const double span_s = static_cast<double>(last) - first;
+  if (!(span_s > 0)) return {};
+
+  const int steps =
+      static_cast<int>(std::clamp(std::ceil(span_s / kPathStep_s), 1.0, kMaxPathPoses - 1.0));
+  std::vector<TimedPose> path;
+  for (int i = 0; i <= steps; ++i)
+  {
+    const double t = first + span_s * i / steps;
+    if (const auto T_map_base = base_at(points.stamp_s + t))
+      path.push_back({t, pose_from(*T_map_base + points.T_base_sensor)});
+  }
+  if (path.size() < 2) path.clear();
+  return path;
 }
 
 }  // namespace talus

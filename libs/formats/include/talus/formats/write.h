@@ -2,7 +2,9 @@
 #include <talus/io/layer_stack.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 // Files of other programs. Each takes the layers of a window or of a site and is written whole or
 // not at all; all throw std::runtime_error that names the file, or the layer which is missing.
@@ -27,6 +29,10 @@ struct Occupancy
    * smaller than the robot. 0: none. */
   double close_islands_m = 0;
 };
+
+/** What such a map says of each cell, as nav_msgs/OccupancyGrid has it: 0 free, 100 occupied, -1
+ * unknown; rows from the south. */
+std::vector<std::int8_t> ros_cells(const io::LayerStack& map, const Occupancy& occupancy);
 
 /** A map of ROS's map_server and of Nav2: `path` is its .yaml, the picture lies beside it under the
  * same name. */

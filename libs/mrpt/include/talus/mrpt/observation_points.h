@@ -4,6 +4,8 @@
 #include <talus/frame.h>
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,5 +66,12 @@ class SensorNumbers
  private:
   std::vector<std::string> labels_;
 };
+
+/** The poses of the sensor over the times of the points, for Frame::path; empty where the points
+ * have no times, or `base_at`, the base in the map at a time [s], does not know two poses of them.
+ */
+std::vector<TimedPose> sensor_path(
+    const SensorPoints& points,
+    const std::function<std::optional<mrpt::poses::CPose3D>(double stamp_s)>& base_at);
 
 }  // namespace talus

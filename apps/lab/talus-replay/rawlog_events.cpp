@@ -1,0 +1,126 @@
+#include "events.h"
+
+#include "../../common/log_name.h"
+
+#include <talus/io/rawlog_reader.h>
+#include <talus/live/messages.h>
+#include <talus/mrpt/observation_points.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <stdexcept>
+
+namespace talus::app
+{
+namespace
+{
+constexpr const char* kMap = "map";
+constexpr const char* kBase = "base_link";
+
+/** A name that ROS allows for a topic, and without its slash for a frame. */
+std::string topic_of(const std::string& label)
+{
+  std::string name = label.empty() || label[0] != '/' ? "/" + label : label;
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '/') c = '_';
+  return name == "/" ? "/points" : name;
+}
+
+io::Trajectory poses_of(const std::string& path, const std::string& given)
+{
+  const std::string beside = trajectory_beside(path);
+  if (!given.empty()) return io::Trajectory::load(given);
+  if (std::filesystem::exists(beside)) return io::Trajectory::load(beside);
+  auto poses = io::trajectory_from_rawlog(path);
+  if (poses.empty())
+    throw std::runtime_error(
+        path + ": has no poses of the robot. Pass --trajectory FILE, or put them into " + beside);
+  return poses;
+}
+
+class RawlogEvents : public Events
+{
+ public:
+  RawlogEvents(const std::string& path, const RawlogTopics& options)
+      : reader_(path), poses_(poses_of(path, options.trajectory)), as_odometry_(options.as_odometry)
+  {
+    points_.channel_names = {"intensity"};
+  }
+
+  bool next(Event& event) override
+  {
+    if (due_.empty()) read_scan();
+    if (due_.empty()) return next_pose(event);
+    const auto& entries = poses_.entries();
+    if (pose_ < entries.size() && entries[pose_].time_s <= due_.front().time_s)
+      return next_pose(event);
+    event = std::move(due_.front());
+    due_.pop_front();
+    return true;
+  }
+
+ private:
+  bool next_pose(Event& event)
+  {
+    if (pose_ == poses_.entries().size()) return false;
+    const auto& entry = poses_.entries()[pose_++];
+    const live::Link link{{entry.time_s, kMap}, kBase, entry.T_map_base};
+    event =
+        as_odometry_
+            ? Event{entry.time_s, "/odom", "nav_msgs/msg/Odometry", false, live::odometry_message(link)}
+            : Event{entry.time_s, "/tf", "tf2_msgs/msg/TFMessage", false, live::tf_message({link})};
+    return true;
+  }
+  void read_scan();
+
+  io::RawlogReader reader_;
+  io::Trajectory poses_;
+  bool as_odometry_;
+  std::size_t pose_ = 0;
+  SensorPoints points_;
+  std::map<std::string, live::Link> mountings_;  //!< by frame
+  std::deque<Event> due_;  //!< a scan, and its mounting where it is new
+};
+
+void RawlogEvents::read_scan()
+{
+  for (auto obs = reader_.next(); obs; obs = reader_.next())
+  {
+    if (!points_from_observation(*obs, points_) || points_.x_m.empty()) continue;
+    const std::string topic = topic_of(points_.sensor_label), frame = topic.substr(1);
+    float last_s = 0;
+    for (const float t : points_.time_s)
+      if (std::isfinite(t)) last_s = std::max(last_s, t);
+    const double time_s = points_.stamp_s + last_s;  // a scan is sent when it is whole
+    auto& mounting = mountings_[frame];
+    if (mounting.child.empty() || mounting.T_parent_child != points_.T_base_sensor)
+    {
+      mounting = {{points_.stamp_s, kBase}, frame, points_.T_base_sensor};
+      std::vector<live::Link> all;
+      for (const auto& [name, link] : mountings_) all.push_back(link);
+      due_.push_back({time_s, "/tf_static", "tf2_msgs/msg/TFMessage", true, live::tf_message(all)});
+    }
+    live::CloudPoints cloud;
+    cloud.x_m = points_.x_m;
+    cloud.y_m = points_.y_m;
+    cloud.z_m = points_.z_m;
+    cloud.time_s = points_.time_s;
+    if (!points_.channels.empty()) cloud.intensity = points_.channels[0];
+    due_.push_back(
+        {time_s, topic, "sensor_msgs/msg/PointCloud2", false,
+         live::cloud_message({points_.stamp_s, frame}, cloud)});
+    return;
+  }
+}
+}  // namespace
+
+std::unique_ptr<Events> events_of_rawlog(const std::string& path, const RawlogTopics& options)
+{
+  return std::make_unique<RawlogEvents>(path, options);
+}
+
+}  // namespace talus::app

@@ -1,0 +1,241 @@
+// talus-live: the clouds of a robot with ROS 2 in, its map out, while it drives.
+#include "../common/child_process.h"
+#include "../common/output_folder.h"
+#include "../common/run_app.h"
+#include "drive_map.h"
+#include "options.h"
+#include "publisher.h"
+#include "record.h"
+#include "topics.h"
+
+#include <sys/wait.h>
+
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+
+namespace talus::app
+{
+namespace
+{
+double now_s()
+{
+  const auto since = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(since).count();
+}
+
+/** All that runs between start and signal. */
+class Live
+{
+ public:
+  Live(const Options& options, const Settings& settings)
+      : options_(options),
+        output_(options.output),
+        map_(settings, options.memory_mb, output_.staging(), options.resume),
+        network_(options.domain.value_or(live::domain_of_environment()), "talus_live"),
+        topics_(network_, options.source.topics),
+        stream_(options.source, options.max_wait_s)
+  {
+    if (options.record) record_.emplace(output_.staging() + "/record.rawlog");
+    if (options.hz > 0) map_.set_layers(publisher_.emplace(network_, options.layers).layers());
+    tell(
+        "joins domain " + std::to_string(options.domain.value_or(live::domain_of_environment())) +
+        ", maps on " + map_.window().backend_name());
+  }
+
+  void run();
+  void finish();
+
+ private:
+  void tell(const std::string& text) const
+  {
+    if (!options_.quiet) std::cout << text << std::endl;
+  }
+  void look();
+  bool next_scan();
+  void publish();
+  void save(double now);
+  void map_scans();
+  void tell_state();
+  void tell_of_losses();
+
+  const Options& options_;
+  OutputFolder output_;
+  DriveMap map_;
+  std::optional<Record> record_;
+  live::Participant network_;
+  std::optional<Publisher> publisher_;
+  Topics topics_;
+  import::ScanStream stream_;
+  import::ImportedScan scan_;
+  std::string trouble_;  //!< that was told last
+  std::optional<int> saving_;  //!< the child that does
+  double published_s_ = 0, saved_s_ = now_s();
+  std::size_t published_frames_ = 0;
+  std::size_t told_scans_ = 0, told_late_ = 0, told_missing_ = 0;
+};
+
+/** Who publishes what changes seldom. */
+void Live::look()
+{
+  for (const auto& text : topics_.look(stream_)) tell(text);
+  for (const auto& text : stream_.take_news()) tell(text);
+  network_.announce();
+}
+
+void Live::run()
+{
+  constexpr double kLook_s = 0.1, kState_s = 5, kWait_s = 0.02;
+  double looked_s = 0, told_s = now_s();
+  while (!stop_signal())
+  {
+    network_.wait(kWait_s);
+    map_scans();
+    const double now = now_s();
+    if (std::abs(now - looked_s) >= kLook_s) look(), looked_s = now;
+    if (std::abs(now - told_s) >= kState_s) tell_state(), told_s = now;
+    if (options_.save_every_min > 0) save(now);
+  }
+}
+
+/** All that has come: before a cloud is late, its poses are heard. */
+bool Live::next_scan()
+{
+  const double now = now_s();
+  topics_.take_into(stream_, now);
+  return stream_.next(scan_, now);
+}
+
+void Live::map_scans()
+{
+  while (next_scan())
+  {
+    if (record_) record_->add(scan_);
+    try
+    {
+      map_.add(scan_, stream_.poses());
+    }
+    catch (const std::runtime_error& e)
+    {
+      print_error(std::string(e.what()) + "; it is left out");
+    }
+    publish();
+  }
+  publish();
+  const auto poses = stream_.take_new_poses();
+  if (record_) record_->add(poses);
+}
+
+void Live::publish()
+{
+  const double now = now_s();
+  if (!publisher_ || map_.frames() == published_frames_) return;
+  if (std::abs(now - published_s_) < 1 / options_.hz) return;
+  published_s_ = now;
+  published_frames_ = map_.frames();
+  publisher_->publish(map_, stream_.map_frame());
+}
+
+/** In a child: the map goes on meanwhile. */
+void Live::save(double now)
+{
+  constexpr double kMinute_s = 60;
+  if (saving_ && ::waitpid(*saving_, nullptr, WNOHANG) != 0) saving_.reset();
+  if (saving_ || map_.frames() == 0) return;
+  if (std::abs(now - saved_s_) < options_.save_every_min * kMinute_s) return;
+  saved_s_ = now;
+  saving_ = map_.start_save(options_.output);
+  if (!saving_)
+    print_error(
+        "the site is too large for --save-every; --memory allows more, it is written at the end");
+}
+
+/** What is wrong, when nothing came since it was asked last; and what gets lost. */
+void Live::tell_state()
+{
+  const auto counts = stream_.counts();
+  if (counts.scans == told_scans_)
+  {
+    std::string trouble = topics_.why_nothing();
+    if (trouble.empty()) trouble = stream_.why_nothing();
+    if (trouble.empty()) trouble = "no cloud comes any more";
+    if (trouble != trouble_) print_error("no scan for 5 s: " + trouble);
+    trouble_ = trouble;
+  }
+  else
+    trouble_.clear();
+  told_scans_ = counts.scans;
+  if (counts.late > told_late_)
+    print_error(
+        std::to_string(counts.late - told_late_) + " clouds are left out: " + stream_.why_late());
+  told_late_ = counts.late;
+  tell_of_losses();
+}
+
+void Live::tell_of_losses()
+{
+  constexpr std::size_t kEnough_bytes = std::size_t{16} << 20, kPacket_bytes = 65536;
+  const auto missing = stream_.counts().missing;
+  if (missing == told_missing_) return;
+  std::string text = "by their stamps " + std::to_string(missing - told_missing_) +
+                     " clouds are missing between those that came";
+  told_missing_ = missing;
+  const auto buffer = live::max_receive_buffer();
+  if (topics_.max_bytes() > kPacket_bytes && buffer > 0 && buffer < kEnough_bytes)
+    text += "; one has " + std::to_string(topics_.max_bytes()) +
+            " bytes, and sockets get no more than " + std::to_string(buffer) +
+            ": sudo sysctl -w net.core.rmem_max=" + std::to_string(kEnough_bytes);
+  print_error(text);
+}
+
+void Live::finish()
+{
+  map_scans();
+  stream_.end();
+  map_scans();
+  const auto counts = stream_.counts();
+  tell_of_losses();
+  const auto tell_count = [](std::size_t count, const char* what)
+  {
+    if (count > 0) print_error(std::to_string(count) + " clouds " + what);
+  };
+  tell_count(counts.late, "are left out: no pose or mounting came in time");
+  tell_count(counts.dropped, "are left out: they came faster than they were mapped");
+  tell_count(counts.stale, "are left out: they were not newer than the one before");
+  tell_count(counts.refused, "are left out: they could not be read");
+  tell_count(counts.without_times, "are mapped without the times of their points");
+  if (counts.scans == 0)
+  {
+    const auto why = topics_.why_nothing();
+    throw std::runtime_error(
+        "nothing was mapped, nothing is written: " + (why.empty() ? stream_.why_nothing() : why));
+  }
+  if (record_) record_->close();
+  if (saving_) wait_for_child(*saving_);
+  map_.finish(output_.staging());
+  output_.commit(kSeal);
+  tell(
+      std::to_string(map_.frames()) + " frames of " + std::to_string(counts.scans) +
+      " scans are mapped: " + options_.output + "/site.tif, site.png, map.tif, map.png");
+}
+
+int run(const Options& options)
+{
+  Settings settings = load_settings(options.config, options.overrides);
+  if (options.backend) settings.backend = *options.backend;
+  if (options.threads) settings.threads = *options.threads;
+  for (const auto& warning : settings.warnings) print_error("warning: " + warning);
+  Live live(options, settings);
+  live.run();
+  live.finish();
+  return 0;
+}
+}  // namespace
+}  // namespace talus::app
+
+int main(int argc, char** argv)
+{
+  return talus::app::run_app("talus-live", argc, argv, talus::app::run);
+}

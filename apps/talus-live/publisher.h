@@ -1,0 +1,41 @@
+#pragma once
+#include "drive_map.h"
+#include "whole_grid.h"
+
+#include <talus/formats/write.h>
+#include <talus/live/network.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace talus::app
+{
+/** Tells the robot its map, on topics below /talus. */
+class Publisher
+{
+ public:
+  /** `layers`: of /talus/grid_map; none: it is not published. */
+  Publisher(live::Participant& network, std::vector<std::string> layers);
+
+  /** Of the map after its newest frame, whose poses are in `frame`. */
+  void publish(DriveMap& map, const std::string& frame);
+
+  /** The layers that publish() reads with each frame. */
+  std::vector<Layer> layers() const;
+
+ private:
+  void publish_whole(DriveMap& map, const live::Header& header);
+  void note_pose(const DriveMap& map);
+  io::LayerStack window_of(const DriveMap& map) const;
+
+  std::vector<std::string> layers_;
+  live::Publication map_, map_updates_, window_, obstacles_, path_, grid_map_;
+  WholeGrid whole_;
+  WholeGrid::Area published_;  //!< of the whole map, as it was published last
+  int map_listeners_ = 0;
+  double whole_s_ = -1e9;  //!< stamp of the frame with which the whole map was published last
+  std::vector<std::pair<double, mrpt::poses::CPose3D>> poses_;
+};
+
+}  // namespace talus::app

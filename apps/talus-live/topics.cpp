@@ -1,0 +1,83 @@
+#include "topics.h"
+
+#include <algorithm>
+
+namespace talus::app
+{
+Topics::Topics(live::Participant& network, const std::vector<std::string>& wanted)
+    : network_(network), wanted_(wanted)
+{
+}
+
+bool Topics::is_wanted(const live::Offer& offer) const
+{
+  if (!import::ScanStream::reads(offer.topic, offer.type)) return false;
+  if (!import::ScanStream::is_cloud(offer.type) || wanted_.empty()) return true;
+  return std::find(wanted_.begin(), wanted_.end(), offer.topic) != wanted_.end();
+}
+
+std::vector<std::string> Topics::look(const import::ScanStream& stream)
+{
+  constexpr int kDepth = 20, kDepthOfTf = 500;
+  std::vector<std::string> news;
+  const auto say = [&](const std::string& text)
+  {
+    if (told_.insert(text).second) news.push_back(text);
+  };
+  offers_ = network_.offers();
+  for (const auto& offer : offers_)
+  {
+    const bool is_cloud = import::ScanStream::is_cloud(offer.type);
+    if (!is_wanted(offer))
+    {
+      if (is_cloud) say(offer.topic + " is left out: --topic does not name it");
+      continue;
+    }
+    if (heard_.count(offer.topic) > 0 || !stream.wants(offer.topic)) continue;
+    auto quality = offer.quality;
+    quality.depth = is_cloud ? kDepth : kDepthOfTf;
+    say("hears " + offer.topic + " (" + offer.type + ", " +
+        (quality.is_reliable ? "reliable" : "best effort") + ")");
+    heard_[offer.topic] = {
+        offer.topic, offer.type,
+        std::make_unique<live::Subscription>(network_, offer.topic, offer.type, quality), is_cloud};
+  }
+  for (auto heard = heard_.begin(); heard != heard_.end();)
+    heard = stream.wants(heard->first) ? std::next(heard) : heard_.erase(heard);
+  return news;
+}
+
+void Topics::take_into(import::ScanStream& stream, Heard& heard, double now_s)
+{
+  while (const auto message = heard.messages->take())
+  {
+    max_bytes_ = std::max(max_bytes_, message->size());
+    stream.add(heard.topic, heard.type, *message, now_s);
+  }
+}
+
+void Topics::take_into(import::ScanStream& stream, double now_s)
+{
+  for (const bool is_cloud : {false, true})
+    for (auto& [topic, heard] : heard_)
+      if (heard.is_cloud == is_cloud) take_into(stream, heard, now_s);
+}
+
+std::string Topics::why_nothing() const
+{
+  constexpr std::size_t kMax = 30;
+  if (offers_.empty())
+    return "nobody publishes a topic here: is ROS_DOMAIN_ID (or --domain) that of the robot, and "
+           "is "
+           "this its network? CYCLONEDDS_URI names an interface; a firewall has to let UDP through";
+  for (const auto& [topic, heard] : heard_)
+    if (heard.is_cloud && heard.messages->publishers() > 0) return "";
+  std::string list;
+  for (std::size_t i = 0; i < std::min(offers_.size(), kMax); ++i)
+    list += "\n  " + offers_[i].topic.substr(0, 100) + "  " + offers_[i].type.substr(0, 100);
+  if (offers_.size() > kMax) list += "\n  and " + std::to_string(offers_.size() - kMax) + " more";
+  return "no topic with clouds (sensor_msgs/msg/PointCloud2) is published" +
+         std::string(wanted_.empty() ? "" : " that --topic names") + ". There are:" + list;
+}
+
+}  // namespace talus::app

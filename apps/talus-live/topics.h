@@ -1,0 +1,49 @@
+#pragma once
+#include <talus/import/scan_stream.h>
+#include <talus/live/network.h>
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace talus::app
+{
+/** Hears what a stream of scans can use, of all that a robot publishes. */
+class Topics
+{
+ public:
+  /** `wanted`: topics with clouds; empty: all. */
+  Topics(live::Participant& network, const std::vector<std::string>& wanted);
+
+  /** Subscribes to what is new, and leaves what is of no use. What to tell of it. */
+  std::vector<std::string> look(const import::ScanStream& stream);
+  /** Gives the stream all that has come, clouds last. */
+  void take_into(import::ScanStream& stream, double now_s);
+
+  /** The bytes of the largest message so far. */
+  std::size_t max_bytes() const { return max_bytes_; }
+  /** Why nothing comes; empty: something is published. */
+  std::string why_nothing() const;
+
+ private:
+  struct Heard
+  {
+    std::string topic, type;
+    std::unique_ptr<live::Subscription> messages;
+    bool is_cloud = false;
+  };
+  bool is_wanted(const live::Offer& offer) const;
+  void take_into(import::ScanStream& stream, Heard& heard, double now_s);
+
+  live::Participant& network_;
+  std::vector<std::string> wanted_;
+  std::map<std::string, Heard> heard_;  //!< by topic
+  std::vector<live::Offer> offers_;  //!< of the last look
+  std::set<std::string> told_;
+  std::size_t max_bytes_ = 0;
+};
+
+}  // namespace talus::app

@@ -1,0 +1,88 @@
+#include "whole_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cell_bands.h"
+
+namespace talus::app
+{
+using site::kTileCells;
+
+void WholeGrid::Area::add(std::int64_t x, std::int64_t y, std::int64_t cells)
+{
+  min_x = std::min(min_x, x);
+  min_y = std::min(min_y, y);
+  end_x = std::max(end_x, x + cells);
+  end_y = std::max(end_y, y + cells);
+}
+
+void WholeGrid::read(site::TileStore& tiles, const site::TileKey& key)
+{
+  const site::Tile* tile = tiles.find(key);
+  if (!tile) return;
+  Cells& cells = tiles_[key];
+  for (std::size_t i = 0; i < cells.size(); ++i)
+  {
+    const float score = site::kept_values(tile->cells[i].cell)[0];
+    cells[i] = std::isnan(score) ? std::int8_t{-1} : std::int8_t(score <= 0 ? 100 : 0);
+  }
+  const auto x = site::cell_of_tile(key.x, 0), y = site::cell_of_tile(key.y, 0);
+  area_.add(x, y, kTileCells);
+  changed_.add(x, y, kTileCells);
+}
+
+void WholeGrid::update(
+    site::TileStore& tiles, int floor, const Window& window, const std::vector<std::int8_t>& cells)
+{
+  auto keys = tiles.take_changed();
+  if (floor_ != floor)
+  {
+    *this = WholeGrid();
+    floor_ = floor;
+    keys = tiles.keys();
+  }
+  for (const auto& key : keys)
+    if (key.floor == floor) read(tiles, key);
+  for (const Window& w : {window_, window})
+    if (w.cells > 0) changed_.add(w.min_cell_x, w.min_cell_y, w.cells);
+  const auto down = [](std::int64_t cell) { return site::cell_of_tile(site::tile_of(cell), 0); };
+  for (const std::int64_t far : {0, window.cells - 1})  // its tiles
+    area_.add(down(window.min_cell_x + far), down(window.min_cell_y + far), kTileCells);
+  window_ = window;
+  window_cells_ = cells;
+}
+
+WholeGrid::Area WholeGrid::take_changed()
+{
+  const Area changed = changed_;
+  changed_ = {};
+  return changed;
+}
+
+live::Grid WholeGrid::cells(const Area& area, double resolution_m) const
+{
+  live::Grid grid;
+  grid.cells_x = static_cast<int>(area.end_x - area.min_x);
+  grid.cells_y = static_cast<int>(area.end_y - area.min_y);
+  grid.resolution_m = resolution_m;
+  grid.min_x_m = static_cast<double>(area.min_x) * resolution_m;
+  grid.min_y_m = static_cast<double>(area.min_y) * resolution_m;
+  grid.cells.assign(static_cast<std::size_t>(grid.cells_x) * grid.cells_y, -1);
+  // A square of cells, row by row, from (x, y) on; what is unknown in it changes nothing.
+  const auto put = [&](std::int64_t x, std::int64_t y, int side, const std::int8_t* from)
+  {
+    const auto first_x = std::max(x, area.min_x), end_x = std::min(x + side, area.end_x);
+    for (auto iy = std::max(y, area.min_y); iy < std::min(y + side, area.end_y); ++iy)
+      for (auto ix = first_x; ix < end_x; ++ix)
+        if (const auto cell = from[(iy - y) * side + (ix - x)]; cell >= 0)
+          grid.cells[static_cast<std::size_t>(
+              (iy - area.min_y) * grid.cells_x + (ix - area.min_x))] = cell;
+  };
+  for (const auto& [key, cells] : tiles_)
+    put(site::cell_of_tile(key.x, 0), site::cell_of_tile(key.y, 0), kTileCells, cells.data());
+  put(window_.min_cell_x, window_.min_cell_y, window_.cells, window_cells_.data());
+  return grid;
+}
+
+}  // namespace talus::app

@@ -1,0 +1,50 @@
+#pragma once
+#include <talus/live/messages.h>
+#include <talus/site/tile_store.h>
+#include <talus/window.h>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace talus::app
+{
+/** The occupancy of one floor of a site, and of the window on it, in whole tiles. */
+class WholeGrid
+{
+ public:
+  /** What has changed, in cells of the global grid; none: no cell. */
+  struct Area
+  {
+    std::int64_t min_x = INT64_MAX, min_y = INT64_MAX, end_x = INT64_MIN, end_y = INT64_MIN;
+    bool empty() const { return min_x >= end_x; }
+    void add(std::int64_t x, std::int64_t y, std::int64_t cells);
+  };
+
+  /** Looks at tiles that have changed; `window` has `cells`, which count before those of tiles
+   * where they are known. Another floor begins anew. */
+  void update(
+      site::TileStore& tiles, int floor, const Window& window,
+      const std::vector<std::int8_t>& cells);
+
+  /** Where cells are. */
+  const Area& area() const { return area_; }
+  /** What changed since the last call. */
+  Area take_changed();
+  /** The cells of an area. */
+  live::Grid cells(const Area& area, double resolution_m) const;
+
+ private:
+  using Cells = std::array<std::int8_t, site::Tile().cells.size()>;
+  void read(site::TileStore& tiles, const site::TileKey& key);
+
+  std::optional<int> floor_;
+  std::map<site::TileKey, Cells> tiles_;
+  Window window_;
+  std::vector<std::int8_t> window_cells_;
+  Area area_, changed_;
+};
+
+}  // namespace talus::app
