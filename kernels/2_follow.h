@@ -123,7 +123,8 @@ struct FollowPoses
           static_cast<float>(best.sum) / (static_cast<float>(best.hits) * kHeightUnits);
       const bool agree = 2 * best.hits > all && abs_of(above_m) > kFollow_m;
       if (agree && on(kFollowsPoses, m.k)) now.offset_m += above_m;
-      now.starts_anew = select((kOtherFloorOneIn * far > all) & on(kFollowsPoses, m.k), 1, 0);
+      const bool other_floor = (far >= kMinGroundHits) & (kOtherFloorOneIn * far > all);
+      now.starts_anew = select(other_floor & on(kFollowsPoses, m.k), 1, 0);
     }
     *m.datum = now;
     m.counts->leaves_floor = static_cast<std::uint32_t>(now.starts_anew);

@@ -106,7 +106,8 @@ TALUS_HD float slope_of_bin(int bin) { return slope_at_bin(static_cast<float>(bi
 /** How far gentle ground falls on a path of this length. */
 TALUS_HD float gentle_fall_m(float length_m)
 {
-  return max_of(kEndsFall * length_m, kEndsFarFall * length_m + (kEndsFall - kEndsFarFall));
+  const float hill_m = kEndsFarFall * length_m + (kEndsFall - kEndsFarFall);
+  return max_of(kEndsFall * length_m, min_of(hill_m, kHill_m));
 }
 /** Whether rays pass above the ground at a height; infinity: no ray. Rays below it show an object
  * or a drop, unless others pass above it on both sides: a glossy floor reflects single rays. */

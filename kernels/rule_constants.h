@@ -119,9 +119,11 @@ constexpr int kBesideRay_cells = 6;
 // ---- Stage 6: lines ----
 
 /** Where a ray ended, and how gently [m/m] and how far up ground leads there, noise aside: beyond
- * 1 m more steeply, since hills are round. Beyond a sample that lies higher there is a drop-off,
- * and a guess that lies higher is not free: both are behind an edge, or in a ditch. */
+ * 1 m more steeply, since hills are round, by kHill_m at most. Beyond a sample that lies higher
+ * there is a drop-off, and a guess that lies higher is not free: both are behind an edge, or in a
+ * ditch. */
 constexpr float kEndsBelow_m = 0.05f, kEndsFall = 0.15f, kEndsFarFall = 0.25f, kEndsRise_m = 1.0f;
+constexpr float kHill_m = 0.6f;
 /** Stride at which a line from the sensor is searched for drop-offs. */
 constexpr int kDropStride_cells = 4;
 /** Deviation of any line, however short, so that the noise of short lines averages out. */
