@@ -40,7 +40,6 @@ in_suite() {
   env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive TERM="${TERM:-dumb}" \
     ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} ${no_proxy:+no_proxy="$no_proxy"} \
     ${TALUS_JOBS:+TALUS_JOBS="$TALUS_JOBS"} ${TALUS_TEST_ROOMS:+TALUS_TEST_ROOMS="$TALUS_TEST_ROOMS"} \
-    ${TALUS_RELEASE_FLAGS:+TALUS_RELEASE_FLAGS="$TALUS_RELEASE_FLAGS"} \
     ${data:+TALUS_TEST_DATA=/test-data} CCACHE_DIR=/ccache \
     chroot "$root" "$@" 9>&-
 }

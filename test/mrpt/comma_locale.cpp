@@ -19,6 +19,7 @@
 #include <regex>
 #include <sstream>
 
+#include "message_of.h"
 #include "room_for_maps.h"
 
 using namespace talus;
@@ -31,11 +32,6 @@ namespace
 bool has_comma_number(const std::string& text)
 {
   return std::regex_search(text, std::regex(R"(\d,\d\d)"));
-}
-
-bool has(const std::string& text, const std::string& part)
-{
-  return text.find(part) != std::string::npos;
 }
 
 template <typename Options>

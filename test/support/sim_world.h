@@ -2,10 +2,11 @@
 #include <talus/sim/drive.h>
 #include <talus/sim/truth.h>
 
-#include <stdexcept>
 #include <string>
 
-/** Small worlds for tests of the simulator, and what is to be known of a place in them. */
+#include "message_of.h"
+
+/** Small worlds for tests of the simulator, and what is to be known of a point in them. */
 namespace talus::sim
 {
 constexpr double kExact_m = 1e-9;
@@ -22,18 +23,10 @@ inline World world_of(
 /** Why a world cannot be read. */
 inline std::string error_of(const std::string& text)
 {
-  try
-  {
-    parse_world(text, "bad.yaml");
-  }
-  catch (const std::runtime_error& e)
-  {
-    return e.what();
-  }
-  return "no error";
+  return message_of([&] { parse_world(text, "bad.yaml"); });
 }
 
-/** Range of the first hit from a place in a direction, -1 without. */
+/** Range of the first hit from a point in a direction, -1 without. */
 inline double cast_m(const World& world, const Vec3& from, const Vec3& toward)
 {
   const auto hit = Scene(world, 0).cast({from, normalized(toward)}, 100);
