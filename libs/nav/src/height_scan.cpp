@@ -17,7 +17,8 @@ constexpr double kSearch_m = 1, kGrows_mpm = 0.3;
 /** A neighbour this much higher or lower, beyond what a slope explains, is behind a step. */
 constexpr float kSameSide_m = 0.04F;
 constexpr float kMinForSpread = 5;  // neighbours, with the cell itself
-constexpr float kMin_m2 = 1e-6F;
+constexpr float kMin_m2 = 2.5e-7F;
+constexpr float kStepShare = 0.5F;  // of a step beside a cell, which may run through it
 constexpr float kRidge = 0.5F;  // cells^2: few neighbours tell no slope
 
 HeightOrigin origin_of(float state)
@@ -68,6 +69,7 @@ class Heights
     const std::size_t cell = view_.index(ix, iy);
     const auto origin = origin_of(view_.state[cell]);
     const float middle_m = top(ix, iy);
+    float step_m = 0;
     float n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
     for (int v = -1; v <= 1; v++)
       for (int u = -1; u <= 1; u++)
@@ -76,7 +78,11 @@ class Heights
         const std::size_t other = view_.index(ix + u, iy + v);
         const float off_m = top(ix + u, iy + v) - middle_m;
         const auto far = static_cast<float>(u * u + v * v == 2 ? 1.4142135 : u * u + v * v);
-        if (!(std::abs(off_m) <= kSameSide_m + rise_m_ * far)) continue;  // nor NaN
+        if (!(std::abs(off_m) <= kSameSide_m + rise_m_ * far))
+        {
+          step_m = std::fmax(step_m, std::abs(off_m));  // not NaN
+          continue;
+        }
         if (origin == HeightOrigin::Measured && origin_of(view_.state[other]) != origin) continue;
         const auto a = static_cast<float>(u), b = static_cast<float>(v);
         n += 1, x += a, y += b, z += off_m;
@@ -93,7 +99,10 @@ class Heights
     // Beside a step the ground's variance tells of the step, and a plane that holds does not have
     // it.
     const bool holds = origin == HeightOrigin::Measured && n >= kMinForSpread;
-    const float sigma_m2 = holds ? std::max(spread_m2 / (n - 3), kMin_m2) : own_m2 + spread_m2 / n;
+    const float fit_m2 =
+        holds ? std::max(spread_m2 / (n - 3) * 3 / n, kMin_m2)  // of three parameters
+              : own_m2 + spread_m2 / n;
+    const float sigma_m2 = fit_m2 + kStepShare * kStepShare * step_m * step_m;
     return {middle_m + off_m, std::sqrt(sigma_m2), origin};
   }
 

@@ -28,12 +28,10 @@ struct ScannedHeight
  * yaw of the base count), in their order: of the higher of the two surfaces of the map. A height
  * lies on the plane through the known cells around it on the same side of a step, so that treads of
  * stairs are flat, and a riser stands within the cell that it runs through. Where the cell is
- * measured, its neighbours have to be, too. The deviation is that of the
- * neighbours from the plane, where they are few or inferred also that of the cell, and from an
- * unknown cell it grows by 0.3 m a metre to the nearest known one. Poses that drift are no part of
- * it. Same
- * bits for the same map. Throws std::invalid_argument for a pose that is not finite, and as
- * MapView::layer(). */
+ * measured, its neighbours have to be, too. The deviation is that of the plane, of the cell where
+ * few are measured, and beside a step half its height; from an unknown cell it grows by 0.3 m a
+ * metre to the nearest known one. Poses that drift are no part of it. Same bits for the same map.
+ * Throws std::invalid_argument for a pose that is not finite, and as MapView::layer(). */
 std::vector<ScannedHeight> height_scan(
     const MapView& map, const Pose& T_map_base, const std::vector<Point2>& points);
 
