@@ -181,6 +181,19 @@ TEST(Stage4Start, AnotherFloorStartsAnew)
   EXPECT_GT(m.traversability(1.525, 0.025), 0.99f);
 }
 
+TEST(Stage4Start, FewHitsFarAboveTheGroundAreNoOtherFloor)
+{
+  for (const double length_m : {0.8, 2.0})  // 18 and 45 hits are sampled
+  {
+    TestMap m(Scan(0, 0, 2).add_surface(-2, -2, 2, 2, flat));
+    m.update(Scan(0, 0, 2)
+                 .add_surface(-1, -1, length_m - 1, -0.1, level(1.5))
+                 .add_surface(-1, 0.2, 0, 0.7, flat));
+    m.update(Scan(0, 0, 2).add(0.025, 0.025, 0));
+    EXPECT_EQ(m.state(1.525, 1.025) == CellState::Measured, length_m < 1) << length_m;
+  }
+}
+
 TEST(Stage4Underfoot, WhatTheRobotDrivesOverIsKnownAlsoWhereNothingMeasuredIt)
 {
   TestMap m(with_radius(0));
