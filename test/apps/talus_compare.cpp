@@ -4,6 +4,7 @@
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
+#include <sstream>
 
 #include "compared_worlds.h"
 
@@ -138,8 +139,8 @@ TEST_F(TalusCompare, LeavesOutAScanWhosePoseIsNowhere)
     }
     std::ofstream(path("bad.tum")) << text;
     return run(
-        "log/small.rawlog --trajectory bad.tum" +
-        " --quiet --evaluate 1 --set resolution_m=0.1 --output out");
+        "log/small.rawlog --trajectory bad.tum "
+        "--quiet --evaluate 1 --set resolution_m=0.1 --output out");
   };
   const Outcome nowhere = with_x("1e300");
   EXPECT_EQ(nowhere.code, 0) << nowhere.text;
@@ -255,7 +256,7 @@ TEST_F(TalusCompareLabels, AreForOneLogAndForTalus)
 {
   for (const std::string& rest :
        {log_ + " --methods octomap", log_ + " --methods talus --world small.yaml",
-        log_ + " " + log_ + " --methods talus", "small.yaml --methods talus"})
+        log_ + " " + log_ + " --methods talus", std::string("small.yaml --methods talus")})
   {
     const Outcome o = run(rest + " --labels labels --output out");
     EXPECT_EQ(o.code, 2) << rest;

@@ -1,4 +1,6 @@
 // talus-compare where rules of the map are left out: what it says, and that the map is another one.
+#include <sstream>
+
 #include "compared_worlds.h"
 
 namespace

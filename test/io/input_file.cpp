@@ -62,7 +62,8 @@ TEST(InputFile, IsReadWholeUpToItsLimit)
       error_of([&] { talus::read_input_file(dir / "a", "text", 3); }),
       dir / "a" + ": has 4 bytes, a text at most 3. Is it another file?");
   make_huge(dir / "huge");
-  EXPECT_SAYS(error_of([&] { talus::read_input_file(dir / "huge", "text", 1000); }), "1099511627776");
+  EXPECT_SAYS(
+      error_of([&] { talus::read_input_file(dir / "huge", "text", 1000); }), "1099511627776");
 }
 
 TEST(InputFile, IsNoPipeDeviceSocketOrDirectoryForAnyReader)
@@ -95,6 +96,7 @@ TEST(InputFile, IsNotReadWhereItIsLargerThanAnyOfItsKind)
   const ScratchDir dir;
   make_huge(dir / "huge");
   EXPECT_SAYS(error_of([&] { talus::sim::load_world(dir / "huge"); }), "has 1");
-  EXPECT_SAYS(error_of([&] { talus::io::Trajectory::load(dir / "huge"); }), "huge:1: no end of the line");
+  EXPECT_SAYS(
+      error_of([&] { talus::io::Trajectory::load(dir / "huge"); }), "huge:1: no end of the line");
   EXPECT_SAYS(error_of([&] { talus::sim::read_pgm(dir / "huge"); }), "not a grey PGM");
 }

@@ -1,6 +1,5 @@
 #include "hindsight.h"
 
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
