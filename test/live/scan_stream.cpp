@@ -1,5 +1,9 @@
 #include <talus/import/scan_stream.h>
 
+#include <map>
+
+#include "bag_reader.h"
+#include "bags.h"
 #include "robot.h"
 
 using talus::import::ImportedScan;
@@ -116,6 +120,46 @@ TEST(ScanStream, takes_odometry_where_tf_has_no_poses)
   ASSERT_TRUE(robot.next(3.0));
   EXPECT_NEAR(robot.stream.poses().at(kStart_s + 2.55, 0.5)->x(), 2.55, 1e-6);
   EXPECT_NE(robot.news().find("poses are those of topic /odom"), std::string::npos);
+}
+
+TEST(ScanStream, reads_clouds_and_frames_as_those_of_a_bag)
+{
+  MAKE_BAGS("log.db3");
+  talus::import::BagReader bag({dir / "log.db3"}, false);
+  ScanStream stream({}, 5);
+  std::map<std::string, std::vector<ImportedScan>> scans;
+  ImportedScan scan;
+  for (const bool is_static : {true, false})  // which that bag has at its end
+  {
+    bag.start(std::vector<bool>(bag.topics().size(), true));
+    for (talus::import::BagMessage message; bag.next(message);)
+    {
+      const auto& topic = bag.topics()[message.topic];
+      const double now_s = static_cast<double>(message.log_time_ns) * 1e-9;
+      if (is_static == (topic.name == "/tf_static"))
+        stream.add(topic.name, topic.type, bag.payload(), now_s);
+      while (stream.next(scan, now_s)) scans[scan.sensor_label].push_back(scan);
+    }
+  }
+  stream.end();
+  while (stream.next(scan, 0)) scans[scan.sensor_label].push_back(scan);
+  for (const char* topic : {"/front/points", "/rear/points"})
+  {
+    const auto expected = scans_of(dir / "log.db3", topic);
+    ASSERT_EQ(scans[topic].size(), expected.size()) << topic;
+    for (std::size_t i = 0; i < expected.size(); ++i)
+    {
+      const auto &a = scans[topic][i], &b = expected[i];
+      EXPECT_EQ(a.time_s, b.time_s);
+      EXPECT_TRUE(a.T_base_sensor == b.T_base_sensor) << topic << i;
+      EXPECT_EQ(a.x_m, b.x_m);
+      EXPECT_EQ(a.y_m, b.y_m);
+      EXPECT_EQ(a.z_m, b.z_m);
+      EXPECT_EQ(a.intensity, b.intensity);
+      EXPECT_EQ(a.point_time_s, b.point_time_s);
+    }
+  }
+  EXPECT_EQ(stream.map_frame(), "map");
 }
 
 TEST(ScanStream, leaves_out_maps_and_copies)

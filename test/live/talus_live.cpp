@@ -165,7 +165,8 @@ TEST(TalusLive, saves_while_it_maps_and_goes_on_with_a_map)
   const ScratchDir dir;
   write_log(dir / "drive.rawlog", floor_scans(15), Packing::Gz);
   write_bytes(dir / "drive.tum", straight_tum(15));
-  EXPECT_EQ(map_live(dir, "--save-every 0.003 --output old", "drive.rawlog", SIGKILL), -SIGKILL);
+  EXPECT_EQ(
+      map_live(dir, "--save-every 0.003 --output old", "drive.rawlog --rate 2", SIGKILL), -SIGKILL);
   ASSERT_TRUE(std::filesystem::exists(dir / "old/site.tif"));
   ASSERT_EQ(
       map_live(

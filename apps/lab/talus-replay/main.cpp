@@ -56,7 +56,9 @@ void add_options(CLI::App& cli, Options& o)
       ->capture_default_str()
       ->type_name("N");
   cli.add_option(
-         "--wait", o.wait_for, "Begins when so many listen to its clouds and frames, or after 10 s")
+         "--wait", o.wait_for,
+         "Each topic of clouds, frames or odometry waits for so many listeners, 2 s, the first one "
+         "10 s")
       ->check(CLI::Range(0, 100))
       ->capture_default_str()
       ->type_name("N");
@@ -80,7 +82,7 @@ class Replay
 
  private:
   live::Publication& publication_of(const app::Event& event);
-  void wait_for_listeners(const live::Publication& publication) const;
+  void wait_for_listeners(const live::Publication& publication);
   void wait_until(double time_s);
 
   const Options& options_;
@@ -103,13 +105,14 @@ live::Publication& Replay::publication_of(const app::Event& event)
   return *publication;
 }
 
-/** The clock of the recording stands still meanwhile. */
-void Replay::wait_for_listeners(const live::Publication& publication) const
+/** The clock of the recording stands still meanwhile. Not all topics need have a listener. */
+void Replay::wait_for_listeners(const live::Publication& publication)
 {
   constexpr auto kStep = std::chrono::milliseconds(5);
-  constexpr int kMaxSteps = 2000;
-  for (int i = 0; i < kMaxSteps && publication.subscribers() < options_.wait_for; ++i)
-    if (!app::stop_signal()) std::this_thread::sleep_for(kStep);
+  const auto max_wait = std::chrono::seconds(publications_.size() == 1 ? 10 : 2);
+  for (const auto end = Clock::now() + max_wait;
+       Clock::now() < end && publication.subscribers() < options_.wait_for && !app::stop_signal();)
+    std::this_thread::sleep_for(kStep);
 }
 
 void Replay::wait_until(double time_s)

@@ -73,11 +73,11 @@ struct Sensor
 std::size_t Sensor::missing(double gap_s)
 {
   constexpr std::size_t kMin = 3, kMax = 20;
-  constexpr double kUsual = 0.2, kMaxMissing = 1000;  // few are closer together: others are missing
+  constexpr double kMaxMissing = 1000;
   std::size_t count = 0;
   if (apart_s.size() >= kMin)
   {
-    const double period_s = io::quantile(std::vector(apart_s.begin(), apart_s.end()), kUsual);
+    const double period_s = io::quantile(std::vector(apart_s.begin(), apart_s.end()), 0.5);
     count = static_cast<std::size_t>(std::min(std::round(gap_s / period_s), kMaxMissing));
   }
   apart_s.push_back(gap_s);
@@ -143,7 +143,8 @@ struct ScanStream::Impl
   bool has_ended = false;
   bool is_last_late = false;  //!< of all clouds
   std::vector<std::string> news;
-  std::set<std::string> said, refused;  //!< texts, topics
+  std::set<std::string> said;  //!< texts
+  std::set<std::string> refused;  //!< topics of which that was said
 };
 
 ScanStream::ScanStream(const SourceOptions& options, double max_wait_s)
@@ -214,19 +215,25 @@ void ScanStream::Impl::take(
   add_poses(now_s);
 }
 
-/** One stamp of a wrong clock must not hold up all that follow. */
+/** One stamp of a wrong clock must not hold up all that follow. What is ahead of the newest by more
+ * than the time that has passed is of another clock, unless all is. */
 bool ScanStream::Impl::is_of_this_time(std::int64_t stamp_ns, double now_s)
 {
   constexpr double kOther_s = 5;
   constexpr std::size_t kEnough = 50;
-  const double late_s = seconds(newest_ns - stamp_ns) + (now_s - newest_at_s);
-  const bool is_other = newest_ns != 0 && std::abs(late_s) > kOther_s;
+  const double ahead_s = newest_ns == 0 ? 0 : seconds(stamp_ns - newest_ns);
+  if (ahead_s < -kOther_s)
+  {
+    if (refused.insert("stamps").second)
+      say("stamps have gone back by " + fixed_text(-ahead_s, 1) +
+          " s: what is older than the map is left out. After a restart of the robot's clock or of "
+          "a "
+          "bag, start talus-live anew");
+    return false;
+  }
+  const bool is_other = ahead_s > kOther_s + (now_s - newest_at_s);
   other_times = is_other ? other_times + 1 : 0;
-  if (is_other && late_s > 0)
-    say("stamps have gone back by " + fixed_text(late_s, 1) +
-        " s: what is older than the map is left out. After a restart of the robot's clock or of a "
-        "bag, start talus-live anew");
-  if (is_other && (late_s > 0 || other_times < kEnough)) return false;
+  if (is_other && other_times < kEnough) return false;
   if (stamp_ns <= newest_ns) return true;
   newest_ns = stamp_ns;
   newest_at_s = now_s;

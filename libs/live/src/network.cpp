@@ -261,6 +261,7 @@ std::vector<Offer> Participant::offers()
     at->second.quality.is_kept &= offer.quality.is_kept;
   }
   std::vector<Offer> all;
+  all.reserve(by_name.size());
   for (auto& [name, offer] : by_name) all.push_back(std::move(offer));
   return all;
 }
