@@ -165,63 +165,33 @@ TEST(TumFile, RefusesTwoPosesAtOneTimeUnlessTheyAreNearlyTheSame)
   EXPECT_EQ(t.entries().size(), 1u);
 }
 
-TEST(TumFile, NamesTheLineThatHasTooFewOrTooManyNumbers)
+TEST(TumFile, NamesTheLineAndWhatIsWrongWithIt)
 {
+  const std::string at_1 = "poses.tum:1:";
   expect_text_error("# c\n1 0 0 0 0 0 0 1\n2 0 0 0 0 0 1\n", {"poses.tum:3:", "7 words", "qw"});
-  expect_text_error("1 0 0 0 0 0 0 1 9.5\n", {"poses.tum:1:", "9 words"});
-  expect_text_error(
-      "1 0 0 5 0 1 0 6 0 0 1 7\n", {"poses.tum:1:", "KITTI has no time", "TUM lines"});
-}
-
-TEST(TumFile, NamesTheWordThatIsNoNumber)
-{
+  expect_text_error("1 0 0 0 0 0 0 1 9.5\n", {at_1, "9 words"});
+  expect_text_error("1 0 0 5 0 1 0 6 0 0 1 7\n", {at_1, "KITTI has no time", "TUM lines"});
   expect_text_error("1 0 0 0 0 0 0 1\n2 0 zero 0 0 0 0 1\n", {"poses.tum:2:", "'zero'", "number"});
-  expect_text_error("1 0 0 0 0 0 0 1x\n", {"poses.tum:1:", "'1x'"});
-  expect_text_error("1,0,0,0,0,0,0,1 2 3 4 5 6 7 8\n", {"poses.tum:1:", "'1,0,0,0"});
-}
-
-TEST(TumFile, RefusesPosesThatAreNotFinite)
-{
-  expect_text_error("1 0 0 nan 0 0 0 1\n", {"poses.tum:1:", "'nan'", "not finite"});
-  expect_text_error("1 inf 0 0 0 0 0 1\n", {"poses.tum:1:", "'inf'", "not finite"});
-  expect_text_error("nan 0 0 0 0 0 0 1\n", {"poses.tum:1:", "not finite"});
-  expect_text_error("1 1e999 0 0 0 0 0 1\n", {"poses.tum:1:", "1e999"});
-}
-
-TEST(TumFile, RefusesQuaternionsWithoutUnitNorm)
-{
-  expect_text_error("1 0 0 0 0 0 0 0\n", {"poses.tum:1:", "norm 0.0", "t x y z qx qy qz qw"});
-  expect_text_error("1 0 0 0 0.3 0.2 0.1 0\n", {"poses.tum:1:", "norm 0.37"});
-}
-
-TEST(TumFile, NormalisesQuaternionsThatWereRounded)
-{
-  const ScratchDir dir;
-  const auto t = load_text(dir, "1 0 0 0 0 0 0.71 0.71\n");
-  EXPECT_NEAR(t.entries()[0].T_map_base.yaw(), 90 * kDegree, 1e-9);
-}
-
-TEST(TumFile, RefusesStampsThatCannotBeSeconds)
-{
-  expect_text_error("1725981157851717000 0 0 0 0 0 0 1\n", {"poses.tum:1:", "nanoseconds"});
-}
-
-TEST(TumFile, SaysWhenThereIsNoPoseInIt)
-{
+  expect_text_error("1 0 0 0 0 0 0 1x\n", {at_1, "'1x'"});
+  expect_text_error("1,0,0,0,0,0,0,1 2 3 4 5 6 7 8\n", {at_1, "'1,0,0,0"});
+  expect_text_error("1 0 0 nan 0 0 0 1\n", {at_1, "'nan'", "not finite"});
+  expect_text_error("1 inf 0 0 0 0 0 1\n", {at_1, "'inf'", "not finite"});
+  expect_text_error("nan 0 0 0 0 0 0 1\n", {at_1, "not finite"});
+  expect_text_error("1 1e999 0 0 0 0 0 1\n", {at_1, "1e999"});
+  expect_text_error("1 0 0 0 0 0 0 0\n", {at_1, "norm 0.0", "t x y z qx qy qz qw"});
+  expect_text_error("1 0 0 0 0.3 0.2 0.1 0\n", {at_1, "norm 0.37"});
+  expect_text_error("1725981157851717000 0 0 0 0 0 0 1\n", {at_1, "nanoseconds"});
+  expect_text_error("1.7e+09 0 0 0 0 0 0 1\n1.7e+09 1 0 0 0 0 0 1\n", {"lost digits"});
   expect_text_error("# nothing\n\n", {"poses.tum", "no poses"});
+  expect_text_error(std::string("\x8d\x00\x01zz\n", 6), {at_1, "words"});
 }
 
-TEST(TumFile, MayHaveTheNumbersOfRtabMapsPoses)
+TEST(TumFile, MayHaveRoundedQuaternionsAndTheNumbersOfRtabMapsPoses)
 {
   const ScratchDir dir;
-  const auto t =
-      load_text(dir, "#timestamp x y z qx qy qz qw id\n1 5 0 0 0 0 0 1 1\n2 6 0 0 0 0 0 1 2\n");
-  EXPECT_EQ(t.at(2, 1)->x(), 6);
-}
-
-TEST(TumFile, SaysWhenItIsBinary)
-{
-  expect_text_error(std::string("\x8d\x00\x01zz\n", 6), {"poses.tum:1:", "words"});
+  const auto t = load_text(dir, "#timestamp x y z qx qy qz qw id\n1 5 0 0 0 0 0.71 0.71 1\n");
+  EXPECT_EQ(t.entries()[0].T_map_base.x(), 5);
+  EXPECT_NEAR(t.entries()[0].T_map_base.yaw(), 90 * kDegree, 1e-9);
 }
 
 TEST(TrajectoryFile, SaysWhenItIsMissingADirectoryOrEmpty)
