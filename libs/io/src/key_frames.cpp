@@ -80,9 +80,9 @@ std::optional<KeyFrames::Twist> twist_told_by(const mrpt::obs::CSensoryFrame& fr
     std::vector<double> numbers;
     try
     {
-      const auto state = mrpt::containers::yaml::FromText(comment->text)[kVelocities]["state"];
+      const auto text = mrpt::containers::yaml::FromText(comment->text);
       for (const char* of : {"linear_velocities", "angular_velocities"})
-        add_nearest(state[of], numbers);
+        add_nearest(text[kVelocities]["state"][of], numbers);
     }
     catch (const std::exception&)
     {
