@@ -133,7 +133,7 @@ TEST_F(TalusMapHintsOfPoses, in_the_frame_of_a_tilted_sensor_are_levelled)
   };
   write_drive(
       "sensor: {scanner: RS-LiDAR-16, at_m: [0.1, 0, 0.9], roll_pitch_yaw_deg: [0, 12, 0]}\n",
-      tilted);
+      tilted, "ground: [plane: {}]\nrobot: {path_m: [[0, 0], [9, 0]]}\n");
   const Outcome leaning = run("drive.rawlog --no-site --output out");
   EXPECT_TRUE(leaning.says("--level turns the map upright")) << leaning.err;
   EXPECT_EQ(causes("--level"), kNone);
