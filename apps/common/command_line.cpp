@@ -151,20 +151,6 @@ CLI::Option* add_mounting(
       ->type_name("[LABEL=]" + std::string(kMountingForm));
 }
 
-namespace
-{
-constexpr double kPi = 3.14159265358979323846;
-
-/** An eighth of a turn or more of them, to four digits: no angle that is measured is that. */
-bool is_quarter_in_radians(double value)
-{
-  constexpr double kRounded = 6e-5;
-  const double eighths = value * 4 / kPi;
-  return std::round(eighths) != 0 && std::abs(eighths) < 8.5 &&
-         std::abs(value - std::round(eighths) * kPi / 4) < kRounded;
-}
-}  // namespace
-
 Mounting mounting_from_text(const std::string& text)
 {
   constexpr double kFarthest_m = 100, kFullTurn_deg = 360;
@@ -185,10 +171,13 @@ Mounting mounting_from_text(const std::string& text)
       throw std::invalid_argument(
           "'" + word + "' in '" + text + "' is not a number in [-" + number_text(limit) + " - " +
           number_text(limit) + "]" + form);
-    if (i >= 3 && is_quarter_in_radians(*value))
+    constexpr double kEighth_rad = 0.78539816339744831, kRounded = 6e-5;
+    const double eighths = std::round(*value / kEighth_rad);
+    if (i >= 3 && eighths != 0 && std::abs(eighths) <= 8 &&
+        std::abs(*value - eighths * kEighth_rad) < kRounded)  // no angle that is measured is that
       throw std::invalid_argument(
-          "'" + word + "' in '" + text + "' looks like radians, and degrees are needed: " +
-          number_text(std::round(*value * 4 / kPi) * 45));
+          "'" + word + "' in '" + text +
+          "' looks like radians, and degrees are needed: " + number_text(eighths * 45));
     mounting[i] = *value;
     begin = end + 1;
   }

@@ -158,6 +158,7 @@ TEST(TumFile, NamesTheLineTheWordAndWhatIsWrong)
            {"1 0 0 0 0.3 0.2 0.1 0\n", {"poses.tum:1:", "norm 0.37"}},
            {"1725981157851717000 0 0 0 0 0 0 1\n", {"poses.tum:1:", "nanoseconds"}},
            {"# nothing\n\n", {"poses.tum", "no poses"}},
+           {"1.7e+09 0 0 0 0 0 0 1\n1.7e+09 1 0 0 0 0 0 1\n", {"lost digits"}},
            {std::string("\x8d\x00\x01zz\n", 6), {"poses.tum:1:", "words"}},
            {good + "\n2 0 0 0 0 0 0 1\n1 0.5 0 0 0 0 0 1\n",
             {"poses.tum:4:", "line 1", "same time"}},

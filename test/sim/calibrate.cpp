@@ -198,9 +198,13 @@ TEST(Calibrate, NamesWhatAStraightDriveOnAFloorDoesNotTell)
 
 TEST(Calibrate, HalvesThatDisagreeWidenTheDeviations)
 {
-  const WrongLog log = wrong_log(kSwells, "[[0, 0], [4, 1.5], [8, -1]]", 0, 0, 0, 0, 50, 1);
-  const Result r = calibrate::calibrate(log.scans, log.track, options_of(log));
-  EXPECT_GT(r.sigma[kPitch], 0.2 * kDegree) << "one half is pitched by a degree";
+  const auto sigma_of = [](double late_nod_deg)
+  {
+    const WrongLog log =
+        wrong_log(kSwells, "[[0, 0], [4, 1.5], [8, -1]]", 0, 0, 0, 0, 50, late_nod_deg);
+    return calibrate::calibrate(log.scans, log.track, options_of(log)).sigma[kPitch];
+  };
+  EXPECT_GT(sigma_of(0.3), 3 * sigma_of(0)) << "one half is pitched by 0.3 degrees";
 }
 
 TEST(Calibrate, WithoutContactTheHeightOverAFloorIsNotObservable)

@@ -23,20 +23,18 @@ constexpr double kSameWalls_m = 4;  // frames that see the same walls
 bool AxesWatch::wants(double stamp_s, const Pose& T_map_base)
 {
   const double heading = std::atan2(T_map_base.m[4], T_map_base.m[0]);
-  if (!step_begin_) step_begin_s_ = stamp_s;
-  if (!step_begin_) step_begin_ = T_map_base;
-  const double x = T_map_base.x() - step_begin_->x(), y = T_map_base.y() - step_begin_->y();
+  if (frames_ == 0) step_begin_ = T_map_base, step_begin_s_ = stamp_s;
+  const double x = T_map_base.x() - step_begin_.x(), y = T_map_base.y() - step_begin_.y();
   if (const double moved_m = std::hypot(x, y); moved_m >= kStep_m)
   {
-    const double middle = std::atan2(step_begin_->m[4], step_begin_->m[0]);
+    const double middle = std::atan2(step_begin_.m[4], step_begin_.m[0]);
     const double off = std::atan2(y, x) - middle - std::remainder(heading - middle, 2 * M_PI) / 2;
     path_m_ += moved_m;
     cos_sum_ += moved_m * std::cos(2 * off);
     sin_sum_ += moved_m * std::sin(2 * off);
     if (stamp_s > step_begin_s_ && speeds_mps_.size() < kMaxSpeeds)
       speeds_mps_.push_back(static_cast<float>(moved_m / (stamp_s - step_begin_s_)));
-    step_begin_ = T_map_base;
-    step_begin_s_ = stamp_s;
+    step_begin_ = T_map_base, step_begin_s_ = stamp_s;
   }
   const bool may_stand = frames_++ % kStandingStep == 0 && path_m_ == 0;
   if (kept_.size() >= kMaxFrames) return false;
@@ -60,11 +58,6 @@ std::optional<double> AxesWatch::sideways_rad() const
   return std::atan2(sin_sum_, cos_sum_) / 2;
 }
 
-bool AxesWatch::are_compared(const Kept& a, const Kept& b) const
-{
-  return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m) < kSameWalls_m;
-}
-
 double AxesWatch::apart_m(const Change& c) const
 {
   std::vector<std::vector<WallLine>> lines;
@@ -79,7 +72,8 @@ double AxesWatch::apart_m(const Change& c) const
   WallsApart apart;
   for (std::size_t i = 0; i < kept_.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
-      if (are_compared(kept_[i], kept_[k])) apart.add(lines[i], lines[k]);
+      if (std::hypot(kept_[i].x_m - kept_[k].x_m, kept_[i].y_m - kept_[k].y_m) < kSameWalls_m)
+        apart.add(lines[i], lines[k]);
   return apart.mean_m();
 }
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "wall_lines.h"
+#include "near_ground.h"
 
 namespace talus::hints
 {
@@ -51,10 +51,9 @@ class AxesWatch
   };
   Change best_change() const;
   double apart_m(const Change& change) const;
-  bool are_compared(const Kept& a, const Kept& b) const;
 
   std::vector<Kept> kept_;
-  std::optional<Pose> step_begin_;
+  Pose step_begin_;
   double step_begin_s_ = 0;
   std::size_t frames_ = 0;
   std::vector<float> speeds_mps_;

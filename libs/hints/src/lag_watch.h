@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "wall_lines.h"
+#include "near_ground.h"
 
 namespace talus::hints
 {

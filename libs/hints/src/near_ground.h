@@ -106,4 +106,24 @@ double heading_span_rad(const std::vector<Pose>& poses);
  * robot's way swings out of its place there. */
 std::vector<FrameSplit> splits_by_heading(const std::vector<Pose>& poses);
 
+/** A piece of a wall, frame of the map. */
+struct WallLine
+{
+  double x_m, y_m, normal_x, normal_y;
+};
+
+/** What a frame with this pose shows. */
+WallLine wall_line(const Facet& facet, double x_m, double y_m, double heading_rad);
+
+/** How far pieces of walls lie apart, summed up; what is farther than 0.3 m counts as that. */
+struct WallsApart
+{
+  double sum_m = 0, count = 0;
+
+  /** Each of the first frame from the nearest that is parallel of the second. */
+  void add(const std::vector<WallLine>& first, const std::vector<WallLine>& second);
+  /** NaN: there is too little to compare. */
+  double mean_m() const;
+};
+
 }  // namespace talus::hints

@@ -186,7 +186,7 @@ FolderLayout find_layout(const Input& input)
   if (!input.format)
     throw std::runtime_error(
         path + ": is no " + endings_of_scans() +
-        " scan and no bag. A rawlog or simplemap needs no import: talus-map reads it.");
+        " scan and no bag. A rawlog needs no import, nor does a simplemap: talus-map reads them.");
   FolderLayout layout;
   layout.scans = {path};
   layout.format = input.format;

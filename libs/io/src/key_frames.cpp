@@ -13,9 +13,11 @@
 #include <talus/number_text.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstring>
+#include <numeric>
 #include <set>
+#include <sstream>
 
 #include "packed_file.h"
 
@@ -51,44 +53,45 @@ std::vector<double> stamps_of(const mrpt::obs::CSensoryFrame& frame)
   return stamps_s;
 }
 
-/** "[x y z]" of those at the time nearest to 0, which is that of the scan. */
-std::optional<std::array<double, 3>> nearest(const mrpt::containers::yaml& state, const char* name)
+/** Of those at the time nearest to 0, which is that of the scan: three numbers of "[x y z]". */
+void add_nearest(const mrpt::containers::yaml& of, std::vector<double>& numbers)
 {
-  if (!state.has(name)) return {};
   double least_s = HUGE_VAL;
   std::string text;
-  for (const auto& [time, value] : state[name].asMap())
+  for (const auto& [time, value] : of.asMap())
     if (const auto t = number_from(time.as<std::string>()); t && std::abs(*t) < least_s)
     {
       least_s = std::abs(*t);
       text = value.as<std::string>();
     }
-  std::array<double, 3> v{};
-  std::size_t at = 0;
-  for (double& number : v)
-  {
-    const auto begin = text.find_first_of("+-.0123456789", at);
-    at = std::min(text.find_first_not_of("+-.0123456789eE", begin), text.size());
-    const auto read = begin < at ? number_from(text.substr(begin, at - begin)) : std::nullopt;
-    if (!read) return {};
-    number = *read;
-  }
-  return v;
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return std::strchr("'\"[],", c); }, ' ');
+  std::istringstream words(text);
+  for (std::string word; words >> word;) numbers.push_back(number_from(word).value_or(NAN));
 }
 
 /** What MOLA measured of the robot's motion around the scan. */
 std::optional<KeyFrames::Twist> twist_told_by(const mrpt::obs::CSensoryFrame& frame)
 {
   for (const auto& obs : frame)
-    if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(obs.get());
-        comment && comment->text.find(kVelocities) != std::string::npos)
+  {
+    const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(obs.get());
+    if (!comment || comment->text.find(kVelocities) == std::string::npos) continue;
+    std::vector<double> numbers;
+    try
     {
       const auto text = mrpt::containers::yaml::FromText(comment->text);
-      if (!text.isMap() || !text.has(kVelocities) || !text[kVelocities].has("state")) continue;
-      const auto v = nearest(text[kVelocities]["state"], "linear_velocities"),
-                 w = nearest(text[kVelocities]["state"], "angular_velocities");
-      if (v && w) return KeyFrames::Twist({(*v)[0], (*v)[1], (*v)[2], (*w)[0], (*w)[1], (*w)[2]});
+      for (const char* of : {"linear_velocities", "angular_velocities"})
+        add_nearest(text[kVelocities]["state"][of], numbers);
     }
+    catch (const std::exception&)
+    {
+      continue;  // it says something else, or only one of the two
+    }
+    KeyFrames::Twist twist;
+    if (numbers.size() == 6 && std::isfinite(std::accumulate(numbers.begin(), numbers.end(), 0.0)))
+      return std::copy(numbers.begin(), numbers.end(), twist.begin()), twist;
+  }
   return {};
 }
 
@@ -117,12 +120,15 @@ KeyFrames::Frame KeyFrames::read_frame()
 {
   Frame frame;
   ++read_;
-  if (version_ == 0)
-    frame.T_map_base = CPose3D(in_.ReadObject<mrpt::poses::CPosePDF>()->getMeanVal());
-  else if (const auto pose = in_.ReadObject<mrpt::poses::CPose3DPDF>())
-    frame.T_map_base = pose->getMeanVal();
   const std::string name =
       "is key frame " + std::to_string(read_) + " of " + std::to_string(count_) + ": ";
+  const auto pose = in_.ReadObject();
+  if (const auto in_plane = std::dynamic_pointer_cast<mrpt::poses::CPosePDF>(pose))
+    frame.T_map_base = CPose3D(in_plane->getMeanVal());
+  else if (const auto in_space = std::dynamic_pointer_cast<mrpt::poses::CPose3DPDF>(pose))
+    frame.T_map_base = in_space->getMeanVal();
+  else
+    throw BadKeyFrame(name + "it has no pose. Delete it");
   if (!is_finite(frame.T_map_base))
     throw BadKeyFrame(name + "its pose is not finite. Delete key frames without a pose");
   frame.observations = in_.ReadObject<mrpt::obs::CSensoryFrame>();
