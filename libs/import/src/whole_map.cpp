@@ -130,10 +130,9 @@ void WholeMap::cut_by_viewpoints(GroundLevels& ground, const SourceOptions& opti
     parts_.push_back(std::move(part));
   }
   remarks_.push_back(
-      "the cloud is a whole map, and vp_x, vp_y and vp_z say from where its points were seen: it "
-      "is "
-      "read as scans from " +
-      std::to_string(parts_.size()) + " places");
+      "vp_x, vp_y and vp_z of the points say from where they were seen: the cloud is read as scans "
+      "from " +
+      std::to_string(parts_.size()) + " positions");
   if (unknown > 0)
     remarks_.push_back(share_text(unknown) + " of its points are left out: they have no viewpoint");
 }
@@ -254,12 +253,13 @@ double hidden_share(const ScanFile& cloud)
 
 std::unique_ptr<ScanSource> open_whole_map(const Input& input, const SourceOptions& options)
 {
-  constexpr double kMany = 0.08, kWorld_m = 1e4;
+  constexpr double kMany = 0.03, kWorld_m = 1e4;
   constexpr std::size_t kMinPoints = 5000;
   const auto layout = find_layout(input);
   const bool is_posed = !options.poses.empty() || !layout.poses.empty();
-  if (layout.scans.size() != 1 || !layout.format->read || is_posed || options.is_one_scan ||
-      !options.is_only_source)
+  const bool has_wrong_fields = !options.fields.empty() && layout.format->read != read_bin;
+  if (layout.scans.size() != 1 || !layout.format->read || is_posed || has_wrong_fields ||
+      options.is_one_scan || !options.is_only_source)
     return nullptr;
   ScanFile cloud;
   cloud.values = options.values;
