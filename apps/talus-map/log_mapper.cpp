@@ -182,6 +182,11 @@ void LogMapper::note_points(const std::string& description)
   notes_ = import::notes_from(description);
   if (!notes_.has_rays)
   {
+    if (options_.robot_is_static)
+      throw std::runtime_error(
+          log_ +
+          ": is the map of a whole drive, in pieces: leave out --static, or say --clouds-in sensor "
+          "if it is one scan");
     Settings without_drops = settings_;
     without_drops.parameters.sparsity_range_m = 0;
     map_ = make_map(job_, without_drops);

@@ -109,6 +109,11 @@ TEST(WholeMap, IsCutIntoTilesWithSteepRays)
   EXPECT_EQ(poses.entries()[5].T_map_base, *scans[5].T_map_sensor);
 
   SourceOptions options;
+  options.scale = 1000;
+  expect_error(
+      [&] { open_scan_source(Input(dir / "map.pcd"), options); },
+      {"map.pcd", "--mount", "--scale"});
+  options = {};
   options.is_one_scan = true;
   const auto scan = open_scan_source(Input(dir / "map.pcd"), options);
   EXPECT_TRUE(scan->has_rays());

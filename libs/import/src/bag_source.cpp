@@ -2,6 +2,7 @@
 #include <talus/number_text.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -88,7 +89,6 @@ class BagSource : public ScanSource
  private:
   bool read_scan(const BagMessage& message, ImportedScan& scan);
   bool place(const CloudMessage& cloud, const BagMessage& message, ImportedScan& scan);
-  void fill(ImportedScan& scan, std::size_t topic, std::int64_t told_ns);
   void require_one_file(Sensor& sensor, const BagMessage& message) const;
   void require_scans() const;
   bool is_recorded(const std::string& topic) const
@@ -127,14 +127,24 @@ bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
   }
 }
 
-/** Its time and mounting. */
+/** Its time and mounting. The times of points are since the stamp of the sensor, or of its clock; a
+ * scan is not recorded before its last point was measured. */
 bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, ImportedScan& scan)
 {
   auto& sensor = sensors_[message.topic];
   require_one_file(sensor, message);
   const auto told_ns = cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
   const auto& topic = reader_.topics()[message.topic].name;
-  const auto stamp_ns = is_recorded(topic) ? message.log_time_ns : told_ns;
+  const auto& clock = motion_.clock(message.topic);
+  const bool has_times = !file_.time.empty();
+  sensor.broken_times += clock.leave_out_broken(file_);
+  auto times_s = clock.times_since(seconds(told_ns), file_);
+  sensor.not_timed += has_times && times_s.empty() ? 1 : 0;
+  float last_s = 0;
+  for (const float time_s : times_s) last_s = std::max(last_s, time_s);
+  const auto stamp_ns = is_recorded(topic)
+                            ? message.log_time_ns - std::llround(1e9 * static_cast<double>(last_s))
+                            : told_ns;
   sensor.not_stamped += cloud.header.stamp_ns == 0 ? 1 : 0;
   sensor.offsets.add(message.log_time_ns, stamp_ns);
   if (stamp_ns < sensor.last_ns) return ++sensor.late, false;
@@ -146,12 +156,13 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
     if (sensor.not_mounted++ == 0) sensor.not_mounted_ns = stamp_ns;
     return false;
   }
-  if (sensor.scans++ == 0) sensor.off_s = seconds(message.log_time_ns - told_ns);
+  if (sensor.scans++ == 0) sensor.off_s = seconds(stamp_ns - told_ns);
   sensor.last_ns = stamp_ns;
   scan.sensor_label = topic;
   scan.T_base_sensor = *T_base_sensor;
   scan.time_s = seconds(stamp_ns);
-  fill(scan, message.topic, told_ns);
+  scan.point_time_s = std::move(times_s);
+  take_points(file_, scan);
   return true;
 }
 
@@ -168,18 +179,6 @@ void BagSource::require_one_file(Sensor& sensor, const BagMessage& message) cons
         " at the same time. Import them one by one if they are of two robots; take one of them "
         "away if it is a copy.");
   files.push_back(file);
-}
-
-/** The times of points are since the stamp of the sensor, or of its clock. */
-void BagSource::fill(ImportedScan& scan, std::size_t topic, std::int64_t told_ns)
-{
-  auto& sensor = sensors_[topic];
-  const auto& clock = motion_.clock(topic);
-  const bool has_times = !file_.time.empty();
-  sensor.broken_times += clock.leave_out_broken(file_);
-  scan.point_time_s = clock.times_since(seconds(told_ns), file_);
-  sensor.not_timed += has_times && scan.point_time_s.empty() ? 1 : 0;
-  take_points(file_, scan);
 }
 
 /** Without a single scan there is more to say than how many are left out. */

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 #include <tuple>
 #include <unordered_map>
 
@@ -129,10 +130,9 @@ void WholeMap::cut_by_viewpoints(GroundLevels& ground, const SourceOptions& opti
     parts_.push_back(std::move(part));
   }
   remarks_.push_back(
-      "the cloud is a whole map, and vp_x, vp_y and vp_z say from where its points were seen: it "
-      "is "
-      "read as scans from " +
-      std::to_string(parts_.size()) + " places");
+      "vp_x, vp_y and vp_z of the points say from where they were seen: the cloud is read as scans "
+      "from " +
+      std::to_string(parts_.size()) + " positions");
   if (unknown > 0)
     remarks_.push_back(share_text(unknown) + " of its points are left out: they have no viewpoint");
 }
@@ -166,6 +166,14 @@ void WholeMap::cut_into_tiles(GroundLevels& ground)
         lowest_m + kAbove_m, 0, 0, 0);
     part.points.push_back(i);
   }
+  const std::size_t all = cloud_.x_m.size(), low = all - high - not_reached;
+  if (2 * not_reached > all || 10 * low < all)
+    throw std::runtime_error(
+        cloud_.place +
+        ": most of its points neither are ground nor stand on it. If z is not up, --mount " +
+        label_ +
+        "=0,0,0,YAW,PITCH,ROLL turns it; if it does not count metres, pass --scale; if it is "
+        "one scan, --clouds-in sensor.");
   for (auto& [at, tile] : tiles) parts_.push_back(std::move(tile.second));
   remarks_.push_back(
       "the cloud is mapped as that of a whole drive, not as a scan (--clouds-in sensor: it is "
@@ -217,16 +225,22 @@ io::Trajectory WholeMap::poses()
 
 double hidden_share(const ScanFile& cloud)
 {
-  constexpr double kBin_rad = M_PI / 360, kNear_m = 0.5, kBehind = 1.3;
-  std::vector<std::pair<int, double>> rays;
+  constexpr double kBin = M_PI / 360, kNear_m = 0.5, kBehind = 1.3;
+  std::vector<std::pair<int, double>> rays;  // direction on a cube, range [m]
   std::unordered_map<int, double> nearest_m;
   for (std::size_t i = 0; i < cloud.x_m.size(); ++i)
   {
-    const double x = cloud.x_m[i], y = cloud.y_m[i], z = cloud.z_m[i];
-    const double range_m = std::hypot(x, y, z);
+    const std::array<double, 3> p = {cloud.x_m[i], cloud.y_m[i], cloud.z_m[i]};
+    const double range_m = std::hypot(p[0], p[1], p[2]);
     if (range_m < kNear_m) continue;
-    const auto bin_of = [](double rad) { return static_cast<int>(std::floor(rad / kBin_rad)); };
-    const int bin = 1000 * bin_of(std::atan2(y, x)) + bin_of(std::asin(z / range_m));
+    const auto axis = static_cast<std::size_t>(
+        std::max_element(
+            p.begin(), p.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }) -
+        p.begin());
+    const auto bin_of = [&](std::size_t other)
+    { return static_cast<int>(std::floor((p[other % 3] / std::abs(p[axis]) + 1) / kBin)); };
+    const int face = static_cast<int>(2 * axis) + (p[axis] < 0 ? 1 : 0);
+    const int bin = (1000 * face + bin_of(axis + 1)) * 1000 + bin_of(axis + 2);
     rays.emplace_back(bin, range_m);
     const auto nearest = nearest_m.emplace(bin, range_m).first;
     nearest->second = std::min(nearest->second, range_m);
@@ -239,12 +253,13 @@ double hidden_share(const ScanFile& cloud)
 
 std::unique_ptr<ScanSource> open_whole_map(const Input& input, const SourceOptions& options)
 {
-  constexpr double kMany = 0.08, kWorld_m = 1e4;
+  constexpr double kMany = 0.03, kWorld_m = 1e4;
   constexpr std::size_t kMinPoints = 5000;
   const auto layout = find_layout(input);
   const bool is_posed = !options.poses.empty() || !layout.poses.empty();
-  if (layout.scans.size() != 1 || !layout.format->read || is_posed || options.is_one_scan ||
-      !options.is_only_source)
+  const bool has_wrong_fields = !options.fields.empty() && layout.format->read != read_bin;
+  if (layout.scans.size() != 1 || !layout.format->read || is_posed || has_wrong_fields ||
+      options.is_one_scan || !options.is_only_source)
     return nullptr;
   ScanFile cloud;
   cloud.values = options.values;
