@@ -53,14 +53,14 @@ DriveMap::DriveMap(
 
 void DriveMap::add(const import::ImportedScan& scan, const io::Trajectory& poses)
 {
-  points_from_observation(*import::observation_of(scan), points_);
-  points_.T_base_sensor = as_in_log(points_.T_base_sensor);
+  points_from_observation(*import::observation_of(scan), scan_);
+  scan_.T_base_sensor = as_in_log(scan_.T_base_sensor);
   const auto base_at = [&](double stamp_s) { return poses.at(stamp_s, kMaxGap_s); };
-  const auto T_map_base = base_at(points_.stamp_s);
-  if (points_.x_m.empty() || !T_map_base)
+  const auto T_map_base = base_at(scan_.stamp_s);
+  if (scan_.x_m.empty() || !T_map_base)
     throw std::runtime_error(scan.sensor_label + ": a scan without points or pose");
-  Frame frame = frame_from(points_, *T_map_base);
-  frame.path = sensor_path(points_, base_at);
+  Frame frame = frame_from(scan_, *T_map_base);
+  frame.path = sensor_path(scan_, base_at);
   try
   {
     frame.sensor = sensors_.number_of(scan.sensor_label);
@@ -76,14 +76,26 @@ void DriveMap::add(const import::ImportedScan& scan, const io::Trajectory& poses
 
 void DriveMap::map_scan(const Frame& scan)
 {
-  mapper_.update(map_, scan);
+  const FrameReport report = mapper_.update(map_, scan);
   ++frames_;
+  points_ += report.points_in;
+  accepted_ += report.points_accepted;
 }
 
 void DriveMap::finish(const std::string& folder)
 {
   gatherer_.finish([this](const Frame& whole) { map_scan(whole); });
+  if (const auto why = why_empty(); !why.empty()) throw std::runtime_error(why);
   write(map_, folder);
+}
+
+std::string DriveMap::why_empty() const
+{
+  if (points_ == 0 || accepted_ > 0) return "";
+  return "none of the " + std::to_string(points_) +
+         " points was accepted: see window_m, min_height_m, max_height_m (from the sensor "
+         "upwards), "
+         "min_range_m and max_range_m, which -s NAME=VALUE sets";
 }
 
 std::optional<int> DriveMap::start_save(const std::string& folder)

@@ -12,6 +12,7 @@
 #include <mrpt/poses/CPose3D.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,11 +39,13 @@ class DriveMap
 
   /** How many scans reached the map. */
   std::size_t frames() const { return frames_; }
+  /** Why it is empty; "": some points were accepted, or none came. */
+  std::string why_empty() const;
   const ElevationMapper& window() const { return map_; }
   /** Layers that each frame makes. */
   void set_layers(const std::vector<Layer>& layers) { map_.set_output_layers(layers); }
   const mrpt::poses::CPose3D& base() const { return T_map_base_; }  //!< in the last frame
-  double stamp_s() const { return points_.stamp_s; }  //!< of it
+  double stamp_s() const { return scan_.stamp_s; }  //!< of it
   site::Site& site() { return site_; }
   int floor() const { return mapper_.floor(); }
 
@@ -52,7 +55,7 @@ class DriveMap
   std::optional<int> start_save(const std::string& folder);
 
   /** Ends the drive and writes site.tif, map.tif and a picture of each into a folder. Throws
-   * std::runtime_error naming the file. */
+   * std::runtime_error naming the file, or why_empty(). */
   void finish(const std::string& folder);
 
  private:
@@ -65,9 +68,10 @@ class DriveMap
   site::SiteMapper mapper_;
   FrameGatherer gatherer_;
   SensorNumbers sensors_;
-  SensorPoints points_;
+  SensorPoints scan_;
   mrpt::poses::CPose3D T_map_base_;
   std::size_t frames_ = 0;
+  std::uint64_t points_ = 0, accepted_ = 0;
 };
 
 }  // namespace talus::app

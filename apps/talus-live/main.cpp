@@ -164,8 +164,11 @@ void Live::tell_state()
     if (trouble != trouble_) print_error("no scan for 5 s: " + trouble);
     trouble_ = trouble;
   }
-  else
-    trouble_.clear();
+  else if (const auto why = map_.why_empty(); why != trouble_)
+  {
+    if (!why.empty()) print_error(why);
+    trouble_ = why;
+  }
   told_scans_ = counts.scans;
   if (counts.late > told_late_)
     print_error(
