@@ -101,7 +101,7 @@ struct ScanStream::Impl
   Impl(const SourceOptions& o, double wait_s) : options(o), max_wait_s(wait_s) {}
 
   void take(const BagTopic& topic, BagRole role, std::string_view message, double now_s);
-  void take_cloud(const std::string& topic, std::string_view message, double now_s);
+  void take_cloud(const BagTopic& from, std::string_view message, double now_s);
   void meet(const std::string& topic, const CloudMessage& cloud);
   void await(
       const std::string& topic, Sensor& sensor, const std::string& frame, std::int64_t stamp_ns,
@@ -197,7 +197,7 @@ void ScanStream::Impl::refuse(const std::string& topic, const std::string& why)
 void ScanStream::Impl::take(
     const BagTopic& topic, BagRole role, std::string_view message, double now_s)
 {
-  if (role == BagRole::Cloud) return take_cloud(topic.name, message, now_s);
+  if (role == BagRole::Cloud) return take_cloud(topic, message, now_s);
   if (role == BagRole::Odometry) return take_odometry(topic.name, read_odometry(message), now_s);
   if (role != BagRole::Tf && role != BagRole::TfStatic) return;
   const bool is_static = role == BagRole::TfStatic;
@@ -332,9 +332,10 @@ void ScanStream::Impl::meet(const std::string& topic, const CloudMessage& cloud)
           topic, sensor, "its points are in '" + sensor.frame + "', as those of " + other);
 }
 
-void ScanStream::Impl::take_cloud(const std::string& topic, std::string_view message, double now_s)
+void ScanStream::Impl::take_cloud(const BagTopic& from, std::string_view message, double now_s)
 {
-  auto cloud = read_cloud(message);
+  const std::string& topic = from.name;
+  auto cloud = read_cloud(message, from.type);
   if (sensors.count(topic) == 0) meet(topic, cloud);
   Sensor& sensor = sensors[topic];
   if (!sensor.is_wanted) return;
