@@ -53,8 +53,10 @@ struct Options
 constexpr const char* kFooter =
     "Each cell of the result is told by the best evidence: measured before filled from two sides\n"
     "before presumed before filled from one. Heights of equal evidence that agree within --step\n"
-    "become their mean, weighed by their information, which sums; where they contradict, the newest\n"
-    "counts. The order of the maps makes no difference to any byte, but with --align: the first is\n"
+    "become their mean, weighed by their information, which sums; where they contradict, the "
+    "newest\n"
+    "counts. The order of the maps makes no difference to any byte, but with --align: the first "
+    "is\n"
     "the frame of all.\n"
     "\nExamples:\n"
     "  talus-merge monday/site.tif tuesday/site.tif --output site.tif --picture site.png\n"
