@@ -71,7 +71,7 @@ def check_channels(page, layers, text):
     assert 'label 4' in text('values') and 'red 200' in text('values'), text('values')
     painted = lambda rgb: page.execute_script(
         'let n = 0; for (const c of document.querySelectorAll(".leaflet-tile-pane canvas"))'
-        ' { const p = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;'
+        ' { const p = c.getContext("2d").getImageData(0, 0, 512, 512).data;'
         ' for (let i = 0; i < p.length; i += 4) n += p[i + 3] > 0 && arguments[0].every((v, k) => v === p[i + k]); }'
         ' return n', rgb)
     for layer, rgb, cells in (('Colour', [200, 100, 50], 50 * 40 - 25), ('Colour', [10, 20, 30], 25),
@@ -122,7 +122,7 @@ def check(page):
         # All cells that are known are painted.
         painted = lambda: page.execute_script(
             'let n = 0; for (const c of document.querySelectorAll(".leaflet-tile-pane canvas"))'
-            ' { const p = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;'
+            ' { const p = c.getContext("2d").getImageData(0, 0, 512, 512).data;'
             ' for (let i = 3; i < p.length; i += 4) n += p[i] > 0; } return n')
         wait_for('cells of ' + layer.text, lambda: painted() == 50 * 40)
     if 'Colour' in [l.text.strip() for l in layers]:
@@ -148,4 +148,4 @@ if len(sys.argv) > 2:
 else:
     if 'channels' not in sys.argv[1]:  # whose switches scroll on a phone
         with_browser(True, lambda page: check_layout(page, 'Tap a place'))
-    with_browser(False, lambda page: check_layout(page, 'Click two places'), check)
+    with_browser(False, lambda page: check_layout(page, 'Click two places'), show, check)

@@ -162,9 +162,7 @@ TEST_F(TalusMapBadInput, what_is_wrong_with_a_configuration_is_told_with_its_fil
   }
   EXPECT_FALSE(exists("a_map"));
   write_bytes(path("m.ini"), section + "clearence_m = 0.7\n");
-  const Outcome done = run("--static a.rawlog --config m.ini");
-  EXPECT_EQ(done.code, 0) << done.err;
-  for (const char* words : {"m.ini", "clearence_m", "'clearance_m'"}) EXPECT_SAYS(done.err, words);
+  expect_failure("--static a.rawlog --config m.ini", 2, {"m.ini", "clearence_m", "'clearance_m'"});
 }
 
 TEST_F(TalusMapBadInput, parameters_and_options_that_are_wrong_are_refused_before_any_work)

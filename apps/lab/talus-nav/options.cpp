@@ -19,10 +19,9 @@ constexpr const char* kFooter =
     "Each 0.1 s: scan -> map -> costmap -> route -> reactive navigator of MRPT "
     "-> "
     "robot.\n"
-    "Collisions are judged by the truth of the world. Writes into DIR: path.csv (a row a step), "
-    "navigation.png,\n"
-    "frames/ (animation), map.tif (the map at the end), log.reactivenavlog (for navlog-viewer), "
-    "summary.json.\n"
+    "Collisions are judged by the truth of the world. Writes into DIR: path.csv (a row a step),\n"
+    "navigation.png, frames/ (animation), map.tif (the map at the end), log.reactivenavlog (for\n"
+    "navlog-viewer), summary.json.\n"
     "\n"
     "Examples:\n"
     "  talus-nav datasets/worlds/nav_indoor.yaml --goal 15,0 --scanner OS0-128 --output out\n"
@@ -109,7 +108,7 @@ void add_sensor(CLI::App& app, Options& o)
   for (const auto& s : sim::scanners()) names.push_back(s.name);
   app.add_option(
          "--scanner", o.scanner, "Instead of the world's: " + CLI::detail::join(names, ", "))
-      ->check(CLI::IsMember(names, plain))
+      ->transform(CLI::IsMember(names, plain))
       ->type_name("NAME");
   app::add_mounting(
       app, "--mount", o.mount,

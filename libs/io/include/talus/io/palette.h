@@ -33,22 +33,31 @@ namespace palette
 {
 /// @name Ground by its traversability; see score_colour()
 /// @{
-inline constexpr NamedColour kBlocked{"blocked", {165, 20, 38}}, kHard{"hard", {222, 90, 45}},
-    kUneven{"uneven", {248, 190, 95}}, kFree{"free", {216, 207, 186}};
+inline constexpr NamedColour kBlocked{"blocked", {165, 20, 38}};  //!< 0
+inline constexpr NamedColour kHard{"hard", {222, 90, 45}};  //!< 0.3
+inline constexpr NamedColour kUneven{"uneven", {248, 190, 95}};  //!< 0.6
+inline constexpr NamedColour kFree{"free", {216, 207, 186}};  //!< 0.9 to 1
 /// @}
-/// @name Beside it on maps
+/** An object that blocks. */
+inline constexpr NamedColour kStands{"stands in the way", {38, 42, 58}};
+/** As free ground has it. */
+inline constexpr NamedColour kInferred{"pale: filled, or not reached", pale(kFree.rgb)};
+/** Known ground without a traversability. */
+inline constexpr NamedColour kNotJudged{"not judged", {172, 164, 204}};
+/** The same on maps, where free guesses from one side count as not judged. */
+inline constexpr NamedColour kGuessed{"not judged, or guessed", pale(kNotJudged.rgb)};
+/** Nothing is known. */
+inline constexpr NamedColour kNotSeen{"not seen", {247, 248, 250}};
+/** A ditch or an edge that was seen from afar. */
+inline constexpr NamedColour kMayDrop{"may drop", {170, 84, 196}};
+/** Where the robot was. */
+inline constexpr NamedColour kPath{"path driven", {0, 56, 140}};
+/// @name On drives of a simulated robot
 /// @{
-inline constexpr NamedColour kStands{"stands in the way", {38, 42, 58}},
-    kInferred{"pale: filled, or not reached", pale(kFree.rgb)},
-    kNotJudged{"not judged", {172, 164, 204}},
-    kGuessed{"not judged, or guessed", pale(kNotJudged.rgb)},
-    kNotSeen{"not seen", {247, 248, 250}}, kMayDrop{"may drop", {170, 84, 196}},
-    kPath{"path driven", {0, 56, 140}};
-/// @}
-/// @name Beside these on drives of a simulated robot
-/// @{
-inline constexpr NamedColour kKnownBlocked{"blocked, as the robot knows", {0, 125, 125}},
-    kGiven{"obstacles given to the navigator", {48, 24, 240}};
+/** In the costmap, over the truth. */
+inline constexpr NamedColour kKnownBlocked{"blocked, as the robot knows", {0, 125, 125}};
+/** Points. */
+inline constexpr NamedColour kGiven{"obstacles given to the navigator", {48, 24, 240}};
 /// @}
 /** Where the ground height comes from, by CellState; the last one: measured and not reached. */
 inline constexpr std::array<NamedColour, kCellStates + 1> kStates{
