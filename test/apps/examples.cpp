@@ -78,7 +78,8 @@ TEST_F(Examples, a_robot_drives_around_a_block_and_tells_how_far_it_is)
   const std::string text =
       run("06_my_robot", "'" TALUS_SOURCE_DIR "/datasets/configs/reactive2d_config.ini'");
   EXPECT_EQ(text.rfind(" 0 s: 5.9 m to the goal\n 5 s: ", 0), 0U) << text;
-  EXPECT_NE(text.find("arrived; drove by on the right side of the block: yes\n"), text.npos) << text;
+  EXPECT_NE(text.find("arrived; drove by on the right side of the block: yes\n"), text.npos)
+      << text;
 }
 #endif
 

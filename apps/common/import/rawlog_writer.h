@@ -25,8 +25,7 @@ PointNotes notes_from(const std::string& comment);
 /** A scan as a log keeps it: a CObservationPointCloud, or, where points have times and no colours,
  * a decoded CObservationVelodyneScan: the one class that keeps them in every version of MRPT. That
  * has bytes for intensities. */
-mrpt::obs::CObservation::Ptr observation_of(
-    const ImportedScan& scan, const PointNotes& notes = {});
+mrpt::obs::CObservation::Ptr observation_of(const ImportedScan& scan, const PointNotes& notes = {});
 
 /** Writes scans, see observation_of(), gz-packed as what talus-sim writes. */
 class RawlogWriter
