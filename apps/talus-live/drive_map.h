@@ -6,7 +6,7 @@
 #include <talus/import/scan_source.h>
 #include <talus/io/layer_stack.h>
 #include <talus/mrpt/observation_points.h>
-#include <talus/mrpt/sensor_numbers.h>
+#include <talus/mrpt/observation_points.h>
 #include <talus/site/site_mapper.h>
 
 #include <mrpt/poses/CPose3D.h>

@@ -21,6 +21,7 @@
 #include "bag_topics.h"
 #include "cdr_reader.h"
 #include "placed_scans.h"
+#include "point_times.h"
 
 using mrpt::poses::CPose3D;
 
@@ -61,7 +62,8 @@ struct Sensor
   bool learns_no_returns = true;
   NoReturns no_returns;
   std::vector<std::array<double, 3>> no_return_places;
-  std::optional<double> time_unit_s;
+  PointClock clock;
+  int clock_scans = 0;  //!< that tell its unit
   std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
   StampOffsets offsets;
   std::deque<double> apart_s;  //!< its last scans
@@ -367,8 +369,14 @@ void ScanStream::Impl::await(
   auto& scan = cloud.scan;
   scan.sensor_label = topic;
   scan.time_s = seconds(stamp_ns);
-  if (!sensor.time_unit_s && !file.time.empty()) sensor.time_unit_s = time_unit_s(file);
-  scan.point_time_s = times_since(scan.time_s, file, sensor.time_unit_s.value_or(1));
+  constexpr int kClockScans = 10;
+  if (sensor.clock_scans < kClockScans)
+  {
+    ++sensor.clock_scans;
+    sensor.clock.add(file, scan.time_s);
+  }
+  sensor.clock.leave_out_broken(file);
+  scan.point_time_s = sensor.clock.times_since(scan.time_s, file);
   take_points(file, scan);
   if (is_in_world(scan))
     throw CdrError("has points in world coordinates, not in the frame of the sensor");
@@ -389,8 +397,7 @@ void ScanStream::Impl::await(
 
 std::optional<CPose3D> ScanStream::Impl::T_base_sensor(const Waiting& cloud) const
 {
-  const auto given = options.mountings.find(cloud.scan.sensor_label);
-  if (given != options.mountings.end()) return given->second;
+  if (const auto* given = options.mounting_of(cloud.scan.sensor_label)) return *given;
   if (!base.empty() && cloud.frame == base) return CPose3D();
   return tree.T_between(base, cloud.frame, cloud.stamp_ns);
 }
@@ -463,7 +470,7 @@ std::string ScanStream::why_nothing() const
            ", nor Odometry (frames of TF: " + listed(me.tree.frames()) +
            "). --map-frame and --base-frame name frames";
   for (const auto& [topic, sensor] : me.sensors)
-    if (const auto clock = sensor.offsets.warning_of_clock(me.pose_offsets); !clock.empty())
+    if (const auto clock = sensor.offsets.with(me.pose_offsets).warning; !clock.empty())
       return topic + ": " + clock + ". Give both machines one clock (chrony, PTP)";
   return me.is_last_late ? why_late() : "";
 }
