@@ -85,7 +85,8 @@ int drive(const std::string& file)
   double aside_m = robot.pose.y();
   for (int step = 0; step * kStep_s < kLongest_s; step++)
   {
-    mrpt::Clock::setSimulatedTime(mrpt::Clock::fromDouble(1000 + step * kStep_s));
+    const double time_s = step * kStep_s;
+    mrpt::Clock::setSimulatedTime(mrpt::Clock::fromDouble(1000 + time_s));
     scan(robot);
     if (step % kStepsPerPlan == 0) follow_route(robot, planner, navigator);
     navigator.navigationStep();

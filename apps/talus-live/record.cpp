@@ -7,7 +7,7 @@
 namespace talus::app
 {
 Record::Record(const std::string& log)
-    : tum_(trajectory_beside(log)), scans_(log), poses_(tum_, std::ios::binary)
+    : tum_(trajectory_beside(log)), scans_(log, {}), poses_(tum_, std::ios::binary)
 {
   poses_ << "# t[s] x[m] y[m] z[m] qx qy qz qw of the base in the map\n";
 }

@@ -1,7 +1,7 @@
 #pragma once
 #include <talus/live/messages.h>
 #include <talus/site/tile_store.h>
-#include <talus/window.h>
+#include <talus/cell_record.h>
 
 #include <array>
 #include <cstdint>

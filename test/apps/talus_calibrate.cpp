@@ -114,7 +114,7 @@ TEST_F(TalusCalibrate, RecommendsNoFitThatTheHeldOutFramesHardlyLike)
   ASSERT_EQ(done.code, 0) << done.text;
   EXPECT_TRUE(done.says("the fit is not recommended")) << done.text;
   EXPECT_FALSE(done.says("to paste")) << done.text;
-  EXPECT_EQ(nlohmann::json::parse(bytes_of(path("out/calibration.json")))["recommended"], false);
+  EXPECT_EQ(nlohmann::json::parse(text("out/calibration.json"))["recommended"], false);
 }
 
 TEST_F(TalusCalibrate, WritesNoFitThatMakesTheHeldOutFramesWorse)

@@ -99,7 +99,7 @@ void tell_unseen(
 
 double goal_distance_m(const MissionOptions& mission, double x_m, double y_m)
 {
-  return std::hypot(mission.goal.x - x_m, mission.goal.y - y_m);
+  return std::hypot(mission.goal.x_m - x_m, mission.goal.y_m - y_m);
 }
 
 MissionResult drive(const Options& o, const Settings& settings, const std::string& folder)

@@ -49,12 +49,12 @@ std::vector<double> goal_from(const std::string& text)
   std::vector<double> goal;
   for (const std::string& number :
        {text.substr(0, comma), comma == std::string::npos ? "" : text.substr(comma + 1)})
-    if (const auto value = number_from(number); value && std::abs(*value) <= Route::kFarthest_m)
+    if (const auto value = number_from(number); value && std::abs(*value) <= kFarthest_m)
       goal.push_back(*value);
   if (goal.size() != 2)
     throw CLI::ValidationError(
         "--goal", "'" + text + "' is not X,Y: two numbers with a comma, at most " +
-                      number_text(Route::kFarthest_m) + " m, such as 16,0");
+                      number_text(kFarthest_m) + " m, such as 16,0");
   return goal;
 }
 
