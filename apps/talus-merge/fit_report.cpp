@@ -57,7 +57,7 @@ std::string warning_of_fit(
 
 bool is_doubtful(const MapFit& fit)
 {
-  return fit.fits() && std::max(fit.ground_disagrees, fit.standing_disagrees) > kDoubtful;
+  return std::max(fit.ground_disagrees, fit.standing_disagrees) > kDoubtful;
 }
 
 std::string warning_of_alignment(

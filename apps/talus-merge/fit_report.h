@@ -14,7 +14,7 @@ std::string text_of_fit(const MapFit& fit, const std::vector<std::string>& paths
 std::string warning_of_fit(
     const MapFit& fit, const std::vector<std::string>& paths, bool is_aligned);
 
-/** Whether more disagrees of two that fit than drives of one frame leave: something has changed, or
+/** Whether more disagrees of two maps than drives of one frame leave: something has changed, or
  * one lies aside along what hides most of it, as along walls. */
 bool is_doubtful(const MapFit& fit);
 
