@@ -165,7 +165,7 @@ TEST(TumFile, NamesTheLineTheWordAndWhatIsWrong)
            {good + "1 0 0 0 0 0 0.70710678 0.70710678\n", {"poses.tum:2:", "same time"}}})
   {
     const ScratchDir dir;
-    expect_error([&] { load_text(dir, text); }, words);
+    expect_error([&dir, bytes = text] { load_text(dir, bytes); }, words);
   }
   const ScratchDir dir;
   const auto t = load_text(dir, good + "1 0.01 0 0 0 0 0 -1\n");

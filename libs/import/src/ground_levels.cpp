@@ -132,6 +132,7 @@ void GroundLevels::reach_rest()
     surfaces.push_back({spread(from), 0});
     auto& nodes = surfaces.back().nodes;
     std::vector<float> heights_m;
+    heights_m.reserve(nodes.size());
     for (const Node& n : nodes) heights_m.push_back((*column(n.x, n.y))[n.level].bottom_m);
     surfaces.back().height_m = io::quantile(std::move(heights_m), 0.5);
     largest = std::max(largest, nodes.size());

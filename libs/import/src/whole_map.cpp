@@ -66,10 +66,11 @@ class WholeMap : public ScanSource
 WholeMap::WholeMap(ScanFile cloud, const std::string& label, const SourceOptions& options)
     : cloud_(std::move(cloud)), label_(label)
 {
-  const auto mounting = options.mountings.find(label);
-  if (mounting != options.mountings.end() && !has_rays()) move_by(mounting->second);
+  const bool has_viewpoints = !cloud_.seen_from_m.empty();
+  const auto* mounting = options.mounting_of(label);
+  if (mounting && !has_viewpoints) move_by(*mounting);
   GroundLevels ground(cloud_);
-  if (has_rays())
+  if (has_viewpoints)
     cut_by_viewpoints(ground, options);
   else
     cut_into_tiles(ground);
@@ -107,8 +108,9 @@ void WholeMap::cut_by_viewpoints(GroundLevels& ground, const SourceOptions& opti
     if (part.points.empty()) at = from;
     part.points.push_back(i);
   }
-  const auto given = options.mountings.find(label_);
+  const auto* given = options.mounting_of(label_);
   std::vector<std::pair<Place, Part>> left;
+  left.reserve(places.size());
   for (auto& [cell, place] : places) left.push_back(std::move(place));
   for (auto& [at, part] : left) ground.reach_from(at[0], at[1], at[2]);
   for (Place last = left.empty() ? Place{} : left.front().first; !left.empty(); left.pop_back())
@@ -123,8 +125,8 @@ void WholeMap::cut_by_viewpoints(GroundLevels& ground, const SourceOptions& opti
     Part part = std::move(left.back().second);
     part.T_map_sensor = CPose3D(last[0], last[1], last[2], 0, 0, 0);
     const auto ground_m = ground.below(last[0], last[1], last[2]);
-    if (given != options.mountings.end())
-      part.T_base_sensor = given->second;
+    if (given)
+      part.T_base_sensor = *given;
     else if (ground_m && last[2] - *ground_m < kMaxHeight_m)
       part.T_base_sensor = CPose3D(0, 0, last[2] - *ground_m, 0, 0, 0);
     parts_.push_back(std::move(part));
@@ -270,7 +272,7 @@ std::unique_ptr<ScanSource> open_whole_map(const Input& input, const SourceOptio
   // Nobody knows the place of a scanner in world coordinates, unless its mounting is given.
   const bool is_in_world =
       std::hypot(io::quantile(cloud.x_m, 0.5), io::quantile(cloud.y_m, 0.5)) > kWorld_m &&
-      options.mountings.count(layout.label) == 0;
+      !options.mounting_of(layout.label);
   const bool is_map =
       options.clouds_in_map || !cloud.seen_from_m.empty() ||
       (cloud.x_m.size() >= kMinPoints && (is_in_world || hidden_share(cloud) > kMany));

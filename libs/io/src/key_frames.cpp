@@ -172,7 +172,7 @@ mrpt::serialization::CSerializable::Ptr KeyFrames::next()
     add_poses(frame, before_s);
     objects_.push_back(frame.observations);
   }
-  const auto object = objects_.front();
+  auto object = objects_.front();
   objects_.pop_front();
   return object;
 }

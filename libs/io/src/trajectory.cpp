@@ -161,21 +161,24 @@ Trajectory::Trajectory(std::vector<Entry> entries) : entries_(std::move(entries)
 
 Trajectory Trajectory::levelled(double& turned_rad) const
 {
-  mrpt::math::TPoint3D up(0, 0, 0);
+  double up_x = 0, up_y = 0, up_z = 0;  // mean of the axes of the base, by the path
   for (std::size_t i = 0; i < entries_.size(); ++i)
   {
     constexpr double kStanding_m = 1e-6;  // what stands still counts where nothing moves
     const CPose3D& T = entries_[i].T_map_base;
     const double path_m = kStanding_m + (i > 0 ? T.distanceTo(entries_[i - 1].T_map_base) : 0);
-    up += (T.composePoint({0, 0, 1}) - mrpt::math::TPoint3D(T.asTPose())) * path_m;
+    const auto& R = T.getRotationMatrix();
+    up_x += R(0, 2) * path_m;
+    up_y += R(1, 2) * path_m;
+    up_z += R(2, 2) * path_m;
   }
   turned_rad = 0;
-  const double length = up.norm(), across = std::hypot(up.x, up.y);
-  if (!(across > 1e-9 * length) || !(up.z > -0.9 * length)) return *this;
-  turned_rad = std::atan2(across, up.z);
+  const double across = std::hypot(up_x, up_y), length = std::hypot(across, up_z);
+  if (!(across > 1e-9 * length) || !(up_z > -0.9 * length)) return *this;
+  turned_rad = std::atan2(across, up_z);
   const double s = std::sin(turned_rad / 2) / across;
   const CPose3D turn(
-      mrpt::math::CQuaternionDouble(std::cos(turned_rad / 2), up.y * s, -up.x * s, 0), 0, 0, 0);
+      mrpt::math::CQuaternionDouble(std::cos(turned_rad / 2), up_y * s, -up_x * s, 0), 0, 0, 0);
   const auto& first = entries_.front().T_map_base;
   const CPose3D about(first.x(), first.y(), first.z(), 0, 0, 0);
   auto entries = entries_;

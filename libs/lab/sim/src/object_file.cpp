@@ -301,6 +301,7 @@ void parse_objects(const YAML::Node& list, const std::string& file, World& world
   if (!list.IsSequence())
     fail_at(list, file, "objects", "must be a list of objects, e.g. `- box: {...}`");
   std::vector<std::string> names;
+  names.reserve(kKinds.size());
   for (const auto& k : kKinds) names.push_back(k.first);
   const RobotPath path(world);
   std::vector<Shape> shapes;
