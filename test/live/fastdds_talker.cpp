@@ -97,7 +97,8 @@ void wait_for_listener(fast::DataWriter* writer)
 int main()
 {
   using namespace talus::test;
-  auto* participant = on_loopback(std::atoi(std::getenv("ROS_DOMAIN_ID")));
+  const char* domain = std::getenv("ROS_DOMAIN_ID");
+  auto* participant = on_loopback(domain ? std::atoi(domain) : 0);
   auto* publisher = participant->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
   const char* tf_type = "tf2_msgs::msg::dds_::TFMessage_";
   auto* tf_static = writer_of(participant, publisher, "rt/tf_static", tf_type, true);
