@@ -37,7 +37,7 @@ constexpr const char* kFooter =
     "rawlog: its scans on topics with the labels of their sensors, and its poses on /tf.\n"
     "ROS_DOMAIN_ID and the other variables count as in ROS.\n"
     "\nExamples:\n"
-    "  talus-replay drive.rawlog\n"
+    "  talus-replay --odometry drive.rawlog\n"
     "  talus-replay bag/ --rate 2 --domain 7\n"
     "\nExit codes: 0 done, 1 the source or the network failed, 2 wrong usage.";
 
