@@ -6,7 +6,7 @@
 
 #include <sstream>
 
-#include "packed_file.h"
+#include "archive.h"
 #include "fuzz.h"
 
 namespace

@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "packed_file.h"
+#include "archive.h"
 #include "fuzz.h"
 
 using namespace talus;
