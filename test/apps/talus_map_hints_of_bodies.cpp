@@ -2,6 +2,8 @@
 // and a person who follows move with the robot, too.
 #include "hint_scene.h"
 
+#include <algorithm>
+
 using namespace talus;
 using namespace talus::test;
 

@@ -2,6 +2,7 @@
 // of a robot that turns fast.
 #include <talus/io/trajectory.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "hint_scene.h"

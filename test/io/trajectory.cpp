@@ -7,7 +7,9 @@
 #include <talus/io/trajectory.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <memory>
 
 #include "log_files.h"
 

@@ -8,6 +8,7 @@
 #include <talus/site/site_files.h>
 #include <talus/site/site_geotiff.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>

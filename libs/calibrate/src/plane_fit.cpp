@@ -1,6 +1,7 @@
 #include "plane_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace talus::calibrate

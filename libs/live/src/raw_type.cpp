@@ -5,6 +5,7 @@
 #include <dds/ddsi/q_radmin.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <utility>
