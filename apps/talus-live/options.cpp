@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include "../common/command_line.h"
+#include "../talus-map/settings.h"
 
 #include <talus/layers.h>
 #include <talus/mrpt/parameters_ini.h>
@@ -65,19 +66,7 @@ void add_input(CLI::App& app, Options& o)
 
 void add_map(CLI::App& app, Options& o)
 {
-  app.add_option(
-         "--config", o.config,
-         "INI file with [CDualElevationMap_creationOpts] and [CDualElevationMap_insertOpts]")
-      ->check(not_empty())
-      ->type_name("FILE.ini");
-  app.add_option("-s,--set", o.overrides, "Set a parameter, after --config; can be repeated")
-      ->allow_extra_args(false)
-      ->type_name("NAME=VALUE");
-  app.add_option_function<std::string>(
-         "--backend", [&o](const std::string& text) { o.backend = backend_from_text(text); },
-         "auto, cpu or cuda: the results are the same to the last bit (default: auto)")
-      ->check(CLI::IsMember({"auto", "cpu", "cuda"}, CLI::ignore_case))
-      ->type_name("NAME");
+  add_map_settings(app, o.config, o.overrides, o.backend);
   add_optional(app, "--threads", o.threads, "Threads of the CPU backend, 0: all cores (default: 0)")
       ->check(CLI::Range(0, 1024))
       ->type_name("N");

@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include "../common/command_line.h"
+#include "settings.h"
 #include "../common/export/export_files.h"
 #include "job.h"
 #include "kept_site.h"
@@ -130,17 +131,7 @@ void add_import(CLI::App& app, Options& o)
 
 void add_processing(CLI::App& app, Options& o)
 {
-  add_text(
-      app, "--config", o.config, "FILE.ini",
-      "INI file with [CDualElevationMap_creationOpts] and [CDualElevationMap_insertOpts]");
-  app.add_option("-s,--set", o.overrides, "Set a parameter, after --config; can be repeated")
-      ->allow_extra_args(false)
-      ->type_name("NAME=VALUE");
-  app.add_option_function<std::string>(
-         "--backend", [&o](const std::string& text) { o.backend = backend_from_text(text); },
-         "auto, cpu or cuda: the results are the same to the last bit (default: auto)")
-      ->check(CLI::IsMember({"auto", "cpu", "cuda"}, CLI::ignore_case))
-      ->type_name("NAME");
+  add_map_settings(app, o.config, o.overrides, o.backend);
   app.add_option_function<int>(
          "--threads", [&o](int n) { o.threads = n; },
          "Threads of the CPU backend for each log, 0: all cores, which several logs share "

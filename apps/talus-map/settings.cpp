@@ -1,5 +1,7 @@
 #include "settings.h"
 
+#include "../common/command_line.h"
+
 #include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>
 #include <talus/mrpt/parameters_ini.h>
@@ -104,6 +106,23 @@ void apply_override(const std::string& text, Parameters& p)
   }
 }
 }  // namespace
+
+void add_map_settings(
+    CLI::App& app, std::string& config, std::vector<std::string>& overrides,
+    std::optional<Backend>& backend)
+{
+  add_text(
+      app, "--config", config, "FILE.ini",
+      "INI file with [CDualElevationMap_creationOpts] and [CDualElevationMap_insertOpts]");
+  app.add_option("-s,--set", overrides, "Set a parameter, after --config; can be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME=VALUE");
+  app.add_option_function<std::string>(
+         "--backend", [&backend](const std::string& text) { backend = backend_from_text(text); },
+         "auto, cpu or cuda: the results are the same to the last bit (default: auto)")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}, CLI::ignore_case))
+      ->type_name("NAME");
+}
 
 Settings load_settings(
     const std::string& config, const std::vector<std::string>& overrides,

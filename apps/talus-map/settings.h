@@ -1,4 +1,5 @@
 #pragma once
+#include <CLI/CLI.hpp>
 #include <talus/elevation_mapper.h>
 #include <talus/parameters.h>
 
@@ -17,6 +18,11 @@ struct Settings
   std::optional<int> device;  //!< of the CUDA backend; nothing: a batch is dealt out over all
   std::vector<std::string> warnings;
 };
+
+/** Adds --config, --set and --backend: load_settings() takes the first two. */
+void add_map_settings(
+    CLI::App& app, std::string& config, std::vector<std::string>& overrides,
+    std::optional<Backend>& backend);
 
 /** Defaults, then the INI file `config` (unless empty), then each NAME=VALUE of `overrides`;
  * `channels`, unless there are none, in the place of those of the file. Throws std::runtime_error

@@ -103,12 +103,6 @@ class Listener
   std::map<std::string, std::vector<std::string>> all_;
 };
 
-CommandEnd run_in(const std::string& folder, const std::string& command)
-{
-  const int status = std::system(("cd '" + folder + "' && " + command + " >log.txt 2>&1").c_str());
-  return {WEXITSTATUS(status), read_bytes(folder + "/log.txt")};
-}
-
 /** Runs talus-live while a log is replayed; its exit code. */
 int map_live(
     const ScratchDir& dir, const std::string& options, const std::string& replay,

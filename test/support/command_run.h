@@ -22,6 +22,14 @@ struct CommandEnd
   bool says(const std::string& words) const { return text.find(words) != std::string::npos; }
 };
 
+/** Runs a command line of the shell in a folder. */
+inline CommandEnd run_in(const std::string& folder, const std::string& command)
+{
+  const int status =
+      std::system(("cd '" + folder + "' && (" + command + ") >log.txt 2>&1").c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_bytes(folder + "/log.txt")};
+}
+
 /** It must have ended with this code, and said these words. */
 inline void expect_end(const CommandEnd& end, int code, const std::vector<std::string>& words)
 {
@@ -34,12 +42,7 @@ class CommandTest : public testing::Test
 {
  protected:
   std::string path(const std::string& name = "") const { return dir_ / name; }
-  CommandEnd shell(const std::string& command) const
-  {
-    const int status =
-        std::system(("cd '" + path() + "' && (" + command + ") >log.txt 2>&1").c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text("log.txt")};
-  }
+  CommandEnd shell(const std::string& command) const { return run_in(path(), command); }
   /** It must succeed. */
   void done(const std::string& command) const
   {

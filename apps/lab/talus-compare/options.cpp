@@ -52,7 +52,7 @@ std::string footer()
 void add_inputs(CLI::App& app, CommandOptions& o)
 {
   const auto text = [&app](const char* name, std::string& value, const char* help, const char* type)
-  { return app::add_checked(app, name, value, help, type, app::not_empty()); };
+  { return app::add_text(app, name, value, type, help); };
   app.add_option("INPUT", o.inputs, "Worlds (.yaml), which are simulated, or rawlogs")
       ->required()
       ->check(app::not_empty());
@@ -78,8 +78,7 @@ void add_methods(CLI::App& app, CommandOptions& o)
   app.add_option("--methods", o.evaluation.methods, "Which to run, see below; default: all")
       ->delimiter(',')
       ->type_name("NAME,...");
-  app::add_checked(
-      app, "--config", o.config, "Parameters, as talus-map takes them", "FILE", app::not_empty());
+  app::add_text(app, "--config", o.config, "FILE", "Parameters, as talus-map takes them");
   app.add_option("-s,--set", o.settings, "One parameter; can be given several times")
       ->type_name("NAME=VALUE")
       ->take_all();
@@ -113,15 +112,13 @@ void add_expectations(CLI::App& app, CommandOptions& o)
   app.add_flag(
       "--check", o.check,
       "Exit code 1 when a budget fails that is not expected to, or is clearly worse");
-  app::add_checked(
-      app, "--expected", o.expected,
+  app::add_text(
+      app, "--expected", o.expected, "FILE",
       std::string("Failures that are expected; default: ") + kExpectedFailures +
-          " beside the worlds or one folder up",
-      "FILE", app::not_empty());
-  app::add_checked(
-      app, "--accept", o.accept,
-      "Write what fails into this file of expected failures; rows of other worlds stay", "FILE",
-      app::not_empty());
+          " beside the worlds or one folder up");
+  app::add_text(
+      app, "--accept", o.accept, "FILE",
+      "Write what fails into this file of expected failures; rows of other worlds stay");
 }
 
 void add_drive(CLI::App& app, sim::DriveOptions& d)

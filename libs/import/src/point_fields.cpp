@@ -69,9 +69,6 @@ std::string names_of(const std::vector<PointField>& fields)
   return names.empty() ? "none" : names;
 }
 
-/** No sensor sees its points so far away: these are world coordinates. Floats count 1 mm here. */
-constexpr double kWorld_m = 1e4;
-
 using Axis = std::vector<double> ScanFile::*;
 constexpr Axis kAxes[] = {&ScanFile::x_m, &ScanFile::y_m, &ScanFile::z_m};
 

@@ -14,6 +14,9 @@
 
 namespace talus::import
 {
+/** No sensor sees its points so far away: these are world coordinates. Floats count 1 mm here. */
+constexpr double kWorld_m = 1e4;
+
 /** A number in a file. */
 enum class NumberType
 {

@@ -255,7 +255,7 @@ double hidden_share(const ScanFile& cloud)
 
 std::unique_ptr<ScanSource> open_whole_map(const Input& input, const SourceOptions& options)
 {
-  constexpr double kMany = 0.03, kInWorld_m = 1e4;
+  constexpr double kMany = 0.03;
   constexpr std::size_t kMinPoints = 5000;
   const auto layout = find_layout(input);
   const bool is_posed = !options.poses.empty() || !layout.poses.empty();
@@ -271,7 +271,7 @@ std::unique_ptr<ScanSource> open_whole_map(const Input& input, const SourceOptio
   if (cloud.viewpoint && !options.clouds_in_map) return nullptr;
   // Nobody knows the place of a scanner in world coordinates, unless its mounting is given.
   const bool is_in_world =
-      std::hypot(io::quantile(cloud.x_m, 0.5), io::quantile(cloud.y_m, 0.5)) > kInWorld_m &&
+      std::hypot(io::quantile(cloud.x_m, 0.5), io::quantile(cloud.y_m, 0.5)) > kWorld_m &&
       !options.mounting_of(layout.label);
   const bool is_map =
       options.clouds_in_map || !cloud.seen_from_m.empty() ||
