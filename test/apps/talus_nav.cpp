@@ -4,6 +4,7 @@
 #include <mrpt/nav/reactive/CLogFileRecord.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <talus/io/palette.h>
 #include <talus/io/rawlog_reader.h>
 
 #include <nlohmann/json.hpp>
@@ -361,8 +362,9 @@ TEST_F(TalusNav, shows_at_the_end_which_obstacles_the_navigator_was_given)
 {
   EXPECT_EQ(drive("nav_indoor.yaml", "--goal 15,0 --timeout 1 --output out"), 5);
   const cv::Mat picture = cv::imread(path("out/navigation.png"));
-  const auto pixels =
-      std::count(picture.begin<cv::Vec3b>(), picture.end<cv::Vec3b>(), cv::Vec3b(66, 228, 240));
+  const auto& rgb = talus::io::palette::kGiven.rgb;
+  const cv::Vec3b colour(rgb[2], rgb[1], rgb[0]);
+  const auto pixels = std::count(picture.begin<cv::Vec3b>(), picture.end<cv::Vec3b>(), colour);
   EXPECT_GT(pixels, 500) << "the legend alone has some ten";
 }
 

@@ -186,6 +186,28 @@ TEST(PackedLogs, with_one_wrong_bit_are_refused_or_the_bit_means_nothing)
   }
 }
 
+/** Here the library for gz counts bits behind the last as read. */
+TEST(PackedLogs, name_a_byte_of_the_file_where_they_are_damaged_and_cut_short)
+{
+  const ScratchDir dir;
+  const auto file = gz_of(bytes_of(kSmall));
+  int complaints = 0;
+  for (std::size_t bit = 8 * 30 + 4; bit < 8 * 48; bit += 8)
+    for (std::size_t size = bit / 8 + 14; size < bit / 8 + 19; ++size)
+    {
+      auto bad = file.substr(0, size);
+      bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ (1 << bit % 8));
+      write_bytes(dir / "bad.rawlog", bad);
+      const std::string said = complaint(dir / "bad.rawlog"), before = "damaged before its byte ";
+      if (const auto begin = said.find(before); begin != std::string::npos)
+      {
+        EXPECT_LE(std::stoull(said.substr(begin + before.size())), size) << bit;
+        ++complaints;
+      }
+    }
+  EXPECT_GT(complaints, 0);
+}
+
 TEST(PackedLogs, say_what_is_wrong_where_a_checksum_is)
 {
   const ScratchDir dir;

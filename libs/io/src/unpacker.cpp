@@ -71,7 +71,8 @@ class Gz : public Unpacker
     state_.next_out = reinterpret_cast<std::uint8_t*>(to.begin);
     state_.avail_out = static_cast<std::uint32_t>(to.size);
     const int code = isal_inflate(&state_);
-    advance(from, from.size - state_.avail_in);
+    const bool is_past_end = state_.avail_in > from.size;  // damaged data may ask for more bits
+    advance(from, is_past_end ? from.size : from.size - state_.avail_in);
     advance(to, to.size - state_.avail_out);
     if (code < 0) throw std::runtime_error(reason_of(code));
   }

@@ -145,7 +145,8 @@ struct StoreOf<T>::Impl
   /** Tiles are used again: to ask the system for memory takes longer than to fill it. */
   std::unique_ptr<T> room_for_tile()
   {
-    while (spare.empty() && (made + 1) * sizeof(T) + packed_bytes > max_bytes) put_oldest_on_disk();
+    while ((made + (spare.empty() ? 1 : 0)) * sizeof(T) + packed_bytes > max_bytes)
+      put_oldest_on_disk();
     if (spare.empty())
     {
       spare.push_back(std::make_unique<T>());
