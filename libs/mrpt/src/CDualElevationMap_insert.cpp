@@ -1,11 +1,11 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationPointCloud.h>
 #include <talus/hints/hint_finder.h>
 #include <talus/mrpt/CDualElevationMap.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <vector>
 
 #include "warn_once.h"
 #include "whole_map.h"
@@ -27,37 +27,11 @@ bool is_level_scan(const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3
          std::abs(T_map_sensor.getRotationMatrix()(2, 2)) > std::cos(kLevel_rad);
 }
 
-/** Whether a cloud has points far behind others in a fifth of the directions in which it has
- * several: they were not seen from its origin. Of real scans these are up to 2 %. */
-bool is_merged(const SensorPoints& points)
+/** As programs make them of several scans, such as FilterMerge of mp2p_icp. */
+bool is_merged(const mrpt::obs::CObservation& obs)
 {
-  constexpr std::size_t kLook = 20000, kMinDirections = 100;
-  constexpr int kAround = 360, kUp = 181;  // degrees
-  struct Direction
-  {
-    double near_m = HUGE_VAL, far_m = 0;
-  };
-  std::vector<Direction> directions(static_cast<std::size_t>(kAround * kUp));
-  const std::size_t size = points.x_m.size();
-  for (std::size_t i = 0; i < size; i += size / kLook + 1)
-  {
-    const double x = points.x_m[i], y = points.y_m[i], z = points.z_m[i];
-    const double range_m = std::sqrt(x * x + y * y + z * z);
-    if (!(range_m > 0.1 && std::isfinite(range_m))) continue;
-    const auto degrees = [](double rad) { return static_cast<int>(std::floor(rad * 180 / M_PI)); };
-    const int around = (degrees(std::atan2(y, x)) + kAround) % kAround;
-    auto& d = directions[static_cast<std::size_t>(
-        around * kUp + degrees(std::asin(z / range_m)) + kUp / 2)];
-    d.near_m = std::min(d.near_m, range_m);
-    d.far_m = std::max(d.far_m, range_m);
-  }
-  std::size_t several = 0, deep = 0;
-  for (const auto& d : directions)
-  {
-    several += d.far_m > d.near_m;
-    deep += d.far_m > 2 * d.near_m + 1;
-  }
-  return several >= kMinDirections && 5 * deep > several;
+  const auto* cloud = dynamic_cast<const mrpt::obs::CObservationPointCloud*>(&obs);
+  return cloud && cloud->sensorLabel.empty() && cloud->sensorPose == mrpt::poses::CPose3D();
 }
 
 bool same_parameters(const Parameters& a, const Parameters& b)
@@ -110,17 +84,15 @@ bool CDualElevationMap::internal_insertObservation(
       detail::warn_once(type + " holds no points that this map understands: ignored");
       return false;
     }
-    if (isEmpty() && is_merged(m_scratch))
-      detail::warn_once(
-          "hint: " + type +
-          " was not seen from the pose of its sensor, but merged from several: rays between pose "
-          "and points tell what is free and what left. Insert each scan with its own sensorPose "
-          "and "
-          "robot pose (sm2mm: in `generators`, not by FilterMerge)");
     const auto T_map_base = robotPose ? *robotPose : mrpt::poses::CPose3D();
     insertPoints(m_scratch, T_map_base);
     if (is_level_scan(obs, T_map_base + m_scratch.T_base_sensor))
       detail::warn_once("a level 2D scan shows no terrain: what it hits counts as ground");
+    if (is_merged(obs))
+      detail::warn_once(
+          "hint: a cloud has neither sensorLabel nor sensorPose: its rays begin at the robot, on "
+          "the ground. A merged cloud has no viewpoint: insert each scan with its own poses "
+          "(sm2mm: in `generators`, not by FilterMerge)");
     return true;
   }
   catch (const std::exception& e)

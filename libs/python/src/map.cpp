@@ -329,10 +329,8 @@ void bind_map(py::module_& m)
           { return square(map, layer_of(map, known_name(map, name))); },
           "layer"_a,
           "A layer by its name ('ground' is ground_elevation): (H, W) float32, read-only, row 0 in "
-          "the\nsouth, NaN: unknown. Heights [m], variance [m^2], scores [0, 1]. A snapshot, "
-          "copied "
-          "once a frame: a view\nof the map's memory would change while another thread updates it, "
-          "and dangle after restore().")
+          "the\nsouth, NaN: unknown. Heights [m], variance [m^2], scores [0, 1]. A snapshot, made "
+          "once a\nframe: a view of the map's memory would change while another thread updates it.")
       .def("keys", &names_of, "Names of the layers.")
       .def(
           "at", &at, "layer"_a, "xy"_a,
