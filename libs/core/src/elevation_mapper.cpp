@@ -5,6 +5,7 @@
 #include "kernels/math.h"
 #include "hand_over.h"
 #include "saved_map.h"
+#include "window_tracker.h"
 
 #include <cmath>
 #include <iostream>
@@ -298,7 +299,7 @@ void ElevationMapper::contact(double x_m, double y_m, double z_m, double sigma_m
   {
     if (!holds) throw std::invalid_argument(std::string("contact(): ") + what);
   };
-  require(std::isfinite(z_m), "z is not finite");
+  require(std::abs(z_m) <= kMaxHeight_m, "z is not finite or farther than 100 km");
   require(sigma_m > 0 && std::isfinite(sigma_m), "sigma must be finite and above 0");
   impl_->require_none_in_flight("contact");
   const Window w = impl_->finished_window();

@@ -68,7 +68,7 @@ class ElevationMapper
    * whose gate it is in by v / (v + sigma^2) of the difference, v the variance of that height.
    * Beyond the gate a lower one becomes the ground, and a higher one the top of what stands. A cell
    * that was not measured is so from then on. layer() shows it as after write_cells(). Throws
-   * std::invalid_argument for a height that is not finite, a deviation that is not finite and
+   * std::invalid_argument for a height beyond 100 km, a deviation that is not finite and
    * positive, or a position outside of the window (all are, before the first frame), then nothing
    * has changed; std::logic_error while a frame is in flight. */
   void contact(double x_m, double y_m, double z_m, double sigma_m);
