@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 #include "scene.h"
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 
 using namespace talus;
@@ -255,4 +257,56 @@ TEST(HandedOverCells, OfAnotherFloorAreToldBeforeTheyGo)
   EXPECT_NEAR(read(m, {all_of(m.map.window())})[80 * 160 + 40].ground_m, 0, 0.1);
   EXPECT_FALSE(m.update(higher).leaves_floor);
   EXPECT_NEAR(read(m, {all_of(m.map.window())})[80 * 160 + 40].ground_m, 3.2, 0.1);
+}
+
+TEST(Contact, MovesAMeasuredCellByItsVariance)
+{
+  TestMap m(Scan().add_surface(-3, -3, 3, 3, flat), {}, 3);
+  const float v = m.fused_variance(1.02, 0.02);
+  m.map.contact(1.02, 0.02, 0.01, std::sqrt(v));
+  EXPECT_NEAR(m.ground(1.02, 0.02), 0.005, 1e-4);
+  EXPECT_NEAR(m.elevation(1.02, 0.02), 0.005, 1e-4);
+  EXPECT_NEAR(m.fused_variance(1.02, 0.02), v / 2, v / 50);
+  EXPECT_NEAR(m.ground(1.07, 0.02), 0, 1e-6);
+}
+
+TEST(Contact, MeasuresACellThatWasNotMeasured)
+{
+  TestMap m(Scan().add_surface(-3, -3, 0, 3, flat), {}, 3);
+  ASSERT_NE(m.state(1.02, 0.02), CellState::Measured);
+  m.map.contact(1.02, 0.02, 0.03, 0.01);
+  for (int frame = 0; frame < 3; frame++)
+  {
+    EXPECT_EQ(m.state(1.02, 0.02), CellState::Measured);
+    EXPECT_NEAR(m.ground(1.02, 0.02), 0.03, 1e-6);
+    EXPECT_NEAR(m.fused_variance(1.02, 0.02), 1e-4, 1e-6);
+    m.update(Scan().add_surface(-3, -3, 0, 3, flat));
+  }
+}
+
+TEST(Contact, BeyondTheGateIsGroundBelowAndTopAbove)
+{
+  TestMap m(Scan().add_surface(-3, -3, 3, 3, flat), {}, 3);
+  m.map.contact(1.02, 0.02, 0.2, 0.005);
+  m.map.contact(1.52, 0.02, -0.2, 0.005);
+  EXPECT_NEAR(m.ground(1.02, 0.02), 0, 1e-6);
+  EXPECT_NEAR(m.elevation(1.02, 0.02), 0.2, 1e-6);
+  EXPECT_NEAR(m.ground(1.52, 0.02), -0.2, 1e-6);
+  EXPECT_NEAR(m.elevation(1.52, 0.02), 0, 1e-6);
+}
+
+TEST(Contact, RefusesWhatIsNoMeasurementAndChangesNothing)
+{
+  TestMap m;
+  EXPECT_TRUE(contains(error_of([&] { m.map.contact(0, 0, 0, 0.01); }), "window"));
+  m.update(Scan().add_surface(-3, -3, 3, 3, flat));
+  const auto before = m.map.save();
+  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+  for (const double sigma : {0.0, -0.01, kNothing, std::numeric_limits<double>::infinity()})
+    EXPECT_TRUE(contains(error_of([&] { m.map.contact(0, 0, 0, sigma); }), "sigma"));
+  for (const double z : {kNothing, 2e5})
+    EXPECT_TRUE(contains(error_of([&] { m.map.contact(0, 0, z, 0.01); }), "z is"));
+  for (const double x : {4.001, -4.001, kNothing})
+    EXPECT_TRUE(contains(error_of([&] { m.map.contact(x, 0, 0, 0.01); }), "window"));
+  EXPECT_EQ(m.map.save(), before);
 }

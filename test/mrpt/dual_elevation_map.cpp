@@ -212,6 +212,17 @@ TEST(DualElevationMap, options_print_themselves_and_definitions_can_be_made_in_c
     EXPECT_TRUE(has(text.str(), part)) << part << " in\n" << text.str();
 }
 
+TEST(DualElevationMap, programs_that_know_no_class_change_its_options_by_name)
+{
+  CDualElevationMap map;
+  EXPECT_EQ(map.optionsByName().size(), 3U);
+  const CConfigFileMemory ini(std::string("[L]\ndecimation = 5\n[I]\nclearance_m = 0.8\n"));
+  map.optionsByName().at("likelihoodOptions")->loadFromConfigFile(ini, "L");
+  map.optionsByName().at("insertionOptions")->loadFromConfigFile(ini, "I");
+  EXPECT_EQ(map.likelihoodOptions.decimation, 5);
+  EXPECT_EQ(map.insertionOptions.clearance_m, 0.8);
+}
+
 // Robot at (10, 4, 0.3) heading north. Sensor 0.5 m ahead and 0.8 m up, looking to the robot's
 // left. A point 2 m ahead of the sensor and 0.6 m below it is 0.5 m ahead and 2 m left of the
 // robot: (10 - 2, 4 + 0.5, 0.3 + 0.8 - 0.6).
@@ -358,6 +369,51 @@ TEST(DualElevationMap, a_multi_map_that_holds_one_can_be_copied)
   EXPECT_NE(a, b);
   EXPECT_EQ(b->threads(), 2);
   expect_same_bits(*a, *b);
+}
+
+TEST(DualElevationMap, programs_that_make_maps_of_any_class_save_and_load_it)
+{
+  // As sm2mm of mp2p_icp does: its generator turns YAML into sections, its .mm is named layers.
+  for (const std::string name : {"talus::CDualElevationMap", "terrain"})
+  {
+    CConfigFileMemory ini;
+    ini.write("map", name + "_count", std::string("1"));
+    ini.write("map_" + name + "_00_creationOpts", "resolution", std::string("0.1"));
+    ini.write("map_" + name + "_00_creationOpts", "backend", std::string("cpu"));
+    ini.write("map_" + name + "_00_insertOpts", "clearance_m", std::string("0.7"));
+    mrpt::maps::TSetOfMetricMapInitializers definitions;
+    EXPECT_EQ(told([&] { definitions.loadFromConfigFile(ini, "map"); }), "");
+    CMultiMetricMap maps;
+    maps.setListOfMaps(definitions);
+    ASSERT_EQ(maps.maps.size(), 1U);
+    const mrpt::maps::CMetricMap::Ptr layer = maps.maps.at(0);
+    EXPECT_TRUE(layer->insertObservation(scan_of_room({}), CPose3D(0.2, 0, 0, 0.1, 0, 0)));
+    mrpt::io::CMemoryStream file;
+    auto archive = mrpt::serialization::archiveFrom(file);
+    archive << std::string("terrain") << *layer;
+    file.Seek(0);
+    std::string label;
+    archive >> label;
+    const auto loaded = std::dynamic_pointer_cast<CDualElevationMap>(archive.ReadObject());
+    ASSERT_TRUE(loaded);
+    EXPECT_EQ(loaded->insertionOptions.clearance_m, 0.7);
+    expect_same_bits(*loaded, dynamic_cast<const CDualElevationMap&>(*layer));
+  }
+}
+
+TEST(DualElevationMap, a_cloud_that_nobody_saw_is_told_once_and_a_scan_is_fine)
+{
+  CDualElevationMap map(small_window(), talus::Backend::Cpu);
+  const auto insert = [&](const CPose3D& T_base_sensor, const char* label)
+  {
+    auto obs = cloud({{1, 0, 0}}, T_base_sensor);
+    obs.sensorLabel = label;
+    return told([&] { EXPECT_TRUE(map.insertObservation(obs, CPose3D())); });
+  };
+  EXPECT_EQ(insert({}, "lidar"), "");
+  EXPECT_EQ(insert(CPose3D(0, 0, 0.7, 0, 0, 0), ""), "");
+  EXPECT_TRUE(has(insert({}, ""), "no viewpoint"));
+  EXPECT_EQ(insert({}, ""), "") << "told already";
 }
 
 TEST(DualElevationMap, the_plugin_may_be_loaded_into_a_program_that_has_the_class)

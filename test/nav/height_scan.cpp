@@ -83,7 +83,7 @@ MapSnapshot map_of(const std::function<double(double, double)>& height)
 TEST(HeightScan, on_stairs_treads_are_flat_and_risers_stand_within_a_cell)
 {
   constexpr double kCell_m = 0.05;
-  int treads = 0, flat = 0, risers = 0, sharp = 0, within = 0;
+  int treads = 0, flat = 0, risers = 0, sharp = 0, within[2] = {};
   for (double y_m = -0.5; y_m <= 0.5; y_m += 0.025)
   {
     std::vector<Point2> line;
@@ -94,9 +94,10 @@ TEST(HeightScan, on_stairs_treads_are_flat_and_risers_stand_within_a_cell)
       const double truth_m = stairs_m(line[i].x_m);
       const bool riser = stairs_m(line[i].x_m - kCell_m) != stairs_m(line[i].x_m + kCell_m);
       if (riser || heights[i].origin != HeightOrigin::Measured) continue;
+      const double error_m = std::abs(heights[i].z_m - truth_m);
       treads++;
-      flat += std::abs(heights[i].z_m - truth_m) <= 0.005;
-      within += std::abs(heights[i].z_m - truth_m) <= 2 * heights[i].sigma_m;
+      flat += error_m <= 0.005;
+      for (const int sigmas : {1, 2}) within[sigmas - 1] += error_m <= sigmas * heights[i].sigma_m;
     }
     for (const std::size_t foot : {30U, 58U})  // x = 0 and 0.28
     {
@@ -107,7 +108,8 @@ TEST(HeightScan, on_stairs_treads_are_flat_and_risers_stand_within_a_cell)
   }
   EXPECT_GT(treads, 1000);
   EXPECT_GT(flat, 0.95 * treads);
-  EXPECT_GT(within, 0.9 * treads);
+  EXPECT_NEAR(100.0 * within[0] / treads, 68, 5);
+  EXPECT_NEAR(100.0 * within[1] / treads, 95, 5);
   EXPECT_GT(sharp, 0.95 * risers) << "of " << risers;
 }
 

@@ -73,6 +73,18 @@ class Layers(unittest.TestCase):
         self.assertEqual(at[0], m["elevation"][row, column])
         self.assertTrue(np.isnan(at[1]))
 
+    def test_take_the_contacts_of_feet(self):
+        m = small_map()
+        for _ in range(3):
+            m.update(floor()[floor()[:, 0] < 0], SENSOR, SENSOR)
+        before, at = m["ground"], np.array([[1.5, 0.3]])
+        self.assertNotEqual(m.at("state", at)[0], 1)
+        m.contact(1.5, 0.3, 0.04, 0.01)
+        self.assertEqual((m.at("state", at)[0], m.at("ground", at)[0]), (1, np.float32(0.04)))
+        z, sigma, origin = m.height_scan(LEVEL, [1.5], [0.3])
+        self.assertEqual((z[0], origin[0]), (np.float32(0.04), 1))
+        self.assertEqual(np.count_nonzero(m["ground"] != before), np.count_nonzero(np.isnan(before)) + 1)
+
     def test_report_counts_the_points(self):
         self.assertEqual((self.report.stamp, self.report.points_in), (5.0, 14400))
         self.assertEqual(self.report.points_accepted + sum(self.report.rejected.values()), 14400)
@@ -158,6 +170,10 @@ class Errors(unittest.TestCase):
                 (TypeError, "drop", lambda: m.obstacles(LEVEL, drop="slope")),
                 (ValueError, "drops", lambda: m.obstacles(LEVEL, drops="all")),
                 (ValueError, "T_map_base", lambda: m.height_scan(nowhere, [0.0], [0.0])),
+                (ValueError, "x, y is not in the window", lambda: m.contact(9.0, 0.0, 0.0, 0.01)),
+                (ValueError, "sigma", lambda: m.contact(0.0, 0.0, 0.0, np.nan)),
+                (ValueError, "sigma", lambda: m.contact(0.0, 0.0, 0.0, -0.01)),
+                (ValueError, "z", lambda: m.contact(0.0, 0.0, np.inf, 0.01)),
                 (ValueError, "x and y", lambda: m.height_scan(LEVEL, [0.0], [[0.0]])),
                 (ValueError, "goal", lambda: talus.plan(m, LEVEL, (np.nan, 0)))):
             with self.assertRaisesRegex(kind, name):

@@ -1,8 +1,13 @@
 #include <talus/elevation_mapper.h>
 #include "map_config.h"
+#include "kernels/3_update.h"
+#include "kernels/group.h"
 #include "kernels/math.h"
+#include "hand_over.h"
 #include "saved_map.h"
+#include "window_tracker.h"
 
+#include <cmath>
 #include <iostream>
 #include <limits>
 #include <stdexcept>
@@ -286,6 +291,30 @@ FrameReport ElevationMapper::update(
     throw;
   }
   return m.finish(rects);
+}
+
+void ElevationMapper::contact(double x_m, double y_m, double z_m, double sigma_m)
+{
+  const auto require = [](bool holds, const char* what)
+  {
+    if (!holds) throw std::invalid_argument(std::string("contact(): ") + what);
+  };
+  require(std::abs(z_m) <= kMaxHeight_m, "z is not finite or farther than 100 km");
+  require(sigma_m > 0 && std::isfinite(sigma_m), "sigma must be finite and above 0");
+  impl_->require_none_in_flight("contact");
+  const Window w = impl_->finished_window();
+  const auto i = w.index_at(x_m, y_m);
+  require(i.has_value(), "x, y is not in the window of the map");
+  const auto at = static_cast<std::int64_t>(*i);
+  const std::vector<CellRect> cell{
+      {w.min_cell_x + at % w.cells, w.min_cell_y + at / w.cells, 1, 1}};
+  CellRecord& record = read_cells(cell)[0];
+  const kernels::HeightPoint point{static_cast<float>(z_m), static_cast<float>(sigma_m * sigma_m)};
+  kernels::OneCell<kernels::SerialGroup> here{&point, 1, {}};
+  here.cells.value = cell_of(record, 0);
+  here.run(make_config(impl_->parameters).config);
+  record = record_of(here.cells.value, record.traversability, 0);
+  write_cells(cell, &record, 1);
 }
 
 void ElevationMapper::start(const Frame& frame) { impl_->start(frame, {}); }

@@ -61,24 +61,44 @@ struct HandOver
   }
 };
 
+/** The record of a cell, and the cell of a record, whose heights are `offset_m` higher. */
+TALUS_HD CellRecord record_of(const kernels::Cell& c, float traversability, float offset_m)
+{
+  CellRecord r;
+  r.ground_m = kernels::raised(c.ground_m, offset_m);
+  r.ground_variance_m2 = c.ground_var_m2;
+  r.elevation_m = kernels::raised(c.elevation_m, offset_m);
+  r.elevation_variance_m2 = c.elevation_var_m2;
+  r.traversability = traversability;
+  r.state = static_cast<std::uint8_t>(c.state);
+  std::uint8_t* to = r.evidence;
+#define TALUS_READ(type, name, unknown) *to++ = static_cast<std::uint8_t>(c.name);
+  TALUS_CELL_EVIDENCE(TALUS_READ)
+#undef TALUS_READ
+  return r;
+}
+TALUS_HD kernels::Cell cell_of(const CellRecord& r, float offset_m)
+{
+  kernels::Cell c;
+  c.ground_m = kernels::raised(r.ground_m, -offset_m);
+  c.ground_var_m2 = r.ground_variance_m2;
+  c.elevation_m = kernels::raised(r.elevation_m, -offset_m);
+  c.elevation_var_m2 = r.elevation_variance_m2;
+  c.state = r.state;
+  const std::uint8_t* from = r.evidence;
+#define TALUS_WRITE(type, name, unknown) c.name = *from++;
+  TALUS_CELL_EVIDENCE(TALUS_WRITE)
+#undef TALUS_WRITE
+  return c;
+}
+
 struct ReadCell : HandOver
 {
   TALUS_HD CellRecord operator()(int i) const
   {
     const Index at = index(i);
-    const kernels::Cell c = m.cell.load(at.storage_i);
-    CellRecord r;
-    r.ground_m = kernels::raised(c.ground_m, m.frame->offset_m);
-    r.ground_variance_m2 = c.ground_var_m2;
-    r.elevation_m = kernels::raised(c.elevation_m, m.frame->offset_m);
-    r.elevation_variance_m2 = c.elevation_var_m2;
-    r.traversability = m.out.traversability[at.window_i];
-    r.state = static_cast<std::uint8_t>(c.state);
-    std::uint8_t* to = r.evidence;
-#define TALUS_READ(type, name, unknown) *to++ = static_cast<std::uint8_t>(c.name);
-    TALUS_CELL_EVIDENCE(TALUS_READ)
-#undef TALUS_READ
-    return r;
+    return record_of(
+        m.cell.load(at.storage_i), m.out.traversability[at.window_i], m.frame->offset_m);
   }
 };
 
@@ -117,17 +137,7 @@ struct WriteCell : HandOver
   {
     if (r.state == kernels::kUnknown) return;
     const Index at = index(i);
-    kernels::Cell c;
-    c.ground_m = kernels::raised(r.ground_m, -m.frame->offset_m);
-    c.ground_var_m2 = r.ground_variance_m2;
-    c.elevation_m = kernels::raised(r.elevation_m, -m.frame->offset_m);
-    c.elevation_var_m2 = r.elevation_variance_m2;
-    c.state = r.state;
-    const std::uint8_t* from = r.evidence;
-#define TALUS_WRITE(type, name, unknown) c.name = *from++;
-    TALUS_CELL_EVIDENCE(TALUS_WRITE)
-#undef TALUS_WRITE
-    m.cell.store(at.storage_i, c);
+    m.cell.store(at.storage_i, cell_of(r, m.frame->offset_m));
     m.out.traversability[at.window_i] = r.traversability;
     kernels::PutSurface{m}.put(shown, at.window_i, at.storage_i);
     if (shown.traversability) shown.traversability[at.window_i] = r.traversability;

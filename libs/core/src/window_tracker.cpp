@@ -14,7 +14,6 @@ namespace talus
 namespace
 {
 constexpr double kMaxCellIndex = 1e9;
-constexpr double kMaxHeight_m = 1e5;  //!< floats are 8 mm apart there
 constexpr double kNotRigid = 0.01;
 constexpr double kFarthestSensor_m = 1000;  //!< from the base
 constexpr double kMinSensorHeight_m = 0.1;  //!< a lower sensor has its base above the ground

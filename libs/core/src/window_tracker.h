@@ -10,6 +10,8 @@
 
 namespace talus
 {
+constexpr double kMaxHeight_m = 1e5;  // floats are 8 mm apart there
+
 /** The position of the window and the motion of the sensors: the map's state on the host. */
 struct WindowTracker
 {

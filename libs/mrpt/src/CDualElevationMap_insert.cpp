@@ -1,4 +1,5 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationPointCloud.h>
 #include <talus/hints/hint_finder.h>
 #include <talus/mrpt/CDualElevationMap.h>
 
@@ -24,6 +25,13 @@ bool is_level_scan(const mrpt::obs::CObservation& obs, const mrpt::poses::CPose3
   const auto* scan = dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(&obs);
   return scan && std::abs(scan->deltaPitch) < kLevel_rad &&
          std::abs(T_map_sensor.getRotationMatrix()(2, 2)) > std::cos(kLevel_rad);
+}
+
+/** As programs make them of several scans, such as FilterMerge of mp2p_icp. */
+bool is_merged(const mrpt::obs::CObservation& obs)
+{
+  const auto* cloud = dynamic_cast<const mrpt::obs::CObservationPointCloud*>(&obs);
+  return cloud && cloud->sensorLabel.empty() && cloud->sensorPose == mrpt::poses::CPose3D();
 }
 
 bool same_parameters(const Parameters& a, const Parameters& b)
@@ -80,6 +88,11 @@ bool CDualElevationMap::internal_insertObservation(
     insertPoints(m_scratch, T_map_base);
     if (is_level_scan(obs, T_map_base + m_scratch.T_base_sensor))
       detail::warn_once("a level 2D scan shows no terrain: what it hits counts as ground");
+    if (is_merged(obs))
+      detail::warn_once(
+          "hint: a cloud has neither sensorLabel nor sensorPose: its rays begin at the robot, on "
+          "the ground. A merged cloud has no viewpoint: insert each scan with its own poses "
+          "(sm2mm: in `generators`, not by FilterMerge)");
     return true;
   }
   catch (const std::exception& e)

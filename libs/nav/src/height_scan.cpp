@@ -17,9 +17,17 @@ constexpr double kSearch_m = 1, kGrows_mpm = 0.3;
 /** A neighbour this much higher or lower, beyond what a slope explains, is behind a step. */
 constexpr float kSameSide_m = 0.04F;
 constexpr float kMinForSpread = 5;  // neighbours, with the cell itself
-constexpr float kMin_m2 = 2.5e-7F;
-constexpr float kStepShare = 0.5F;  // of a step beside a cell, which may run through it
+constexpr float kMin_m2 = 2e-7F;
+constexpr float kStepShare =
+    0.5F;  // of a step in a cell or beside it: it may run through the point
+/** Of the cell's deviation, for a neighbourhood whose middle is a cell away: at a rim of what was
+ * seen only points are left that noise carried there, and all err alike. */
+constexpr float kRim = 5;
+/** Relief of presumed ground, which is a plane through the robot's feet. */
+constexpr float kRelief_mpm = 0.014F, kFeet_m2 = 9e-6F;
 constexpr float kRidge = 0.5F;  // cells^2: few neighbours tell no slope
+
+float square(float x) { return x * x; }
 
 HeightOrigin origin_of(float state)
 {
@@ -32,8 +40,9 @@ HeightOrigin origin_of(float state)
 class Heights
 {
  public:
-  explicit Heights(const MapView& map)
+  Heights(const MapView& map, const Pose2& base)
       : view_(map),
+        base_(base),
         rise_m_(static_cast<float>(
             std::tan(map.parameters().slope_threshold_rad) * view_.window.resolution_m)),
         search_(static_cast<int>(kSearch_m / view_.window.resolution_m))
@@ -69,7 +78,7 @@ class Heights
     const std::size_t cell = view_.index(ix, iy);
     const auto origin = origin_of(view_.state[cell]);
     const float middle_m = top(ix, iy);
-    float step_m = 0;
+    float step_m = std::fmax(middle_m - view_.ground[cell], 0.0F);  // 0 for NaN
     float n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
     for (int v = -1; v <= 1; v++)
       for (int u = -1; u <= 1; u++)
@@ -96,13 +105,20 @@ class Heights
     const float off_m = z / n + along * (dx - x / n) + across * (dy - y / n);
     const float spread_m2 = std::max(0.0F, zz - along * xz - across * yz);
     const float own_m2 = std::max(view_.variance[cell], 0.0F);  // 0 for NaN
-    // Beside a step the ground's variance tells of the step, and a plane that holds does not have
-    // it.
-    const bool holds = origin == HeightOrigin::Measured && n >= kMinForSpread;
-    const float fit_m2 =
-        holds ? std::max(spread_m2 / (n - 3) * 3 / n, kMin_m2)  // of three parameters
-              : own_m2 + spread_m2 / n;
-    const float sigma_m2 = fit_m2 + kStepShare * kStepShare * step_m * step_m;
+    float fit_m2 = spread_m2 / n;
+    if (origin == HeightOrigin::Presumed)
+    {
+      const double away_m = std::hypot(view_.x_m(ix) - base_.x_m, view_.y_m(iy) - base_.y_m);
+      fit_m2 += square(kRelief_mpm * static_cast<float>(away_m)) + kFeet_m2;
+    }
+    else if (origin == HeightOrigin::Measured && n >= kMinForSpread)
+      fit_m2 = fit_m2 / (n - 3) +  // a plane has three parameters
+               square(kRim * (x * x + y * y) / (n * n)) * own_m2 + kMin_m2;
+    else
+      fit_m2 += own_m2;
+    // What rises as steeply as what blocks is rather an edge that noise has smeared.
+    const float edge_m = (along * along + across * across) / rise_m_;
+    const float sigma_m2 = fit_m2 + square(kStepShare * step_m) + square(edge_m);
     return {middle_m + off_m, std::sqrt(sigma_m2), origin};
   }
 
@@ -129,6 +145,7 @@ class Heights
   }
 
   SurfaceView view_;
+  Pose2 base_;
   float rise_m_;  //!< of the steepest slope, in a cell
   int search_;  //!< cells
 };
@@ -143,7 +160,7 @@ std::vector<ScannedHeight> height_scan(
   std::vector<ScannedHeight> out(
       points.size(), {kUnknownHeight, kUnknownHeight, HeightOrigin::Unknown});
   if (map.empty()) return out;
-  const Heights heights(map);
+  const Heights heights(map, base);
   const double c = std::cos(base.yaw_rad), s = std::sin(base.yaw_rad);
   for (std::size_t i = 0; i < out.size(); i++)
   {

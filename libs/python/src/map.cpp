@@ -312,12 +312,25 @@ void bind_map(py::module_& m)
           "channels: {name: (N,)} values of each point, of Map(channels='name:rule').\n"
           "Returns a FrameReport. Arrays of layers that were asked for before stay as they are.")
       .def(
+          "contact",
+          [](Map& map, double x, double y, double z, double sigma)
+          {
+            locked(map, [&](ElevationMapper& e) { e.contact(x, y, z, sigma); });
+            map.forget_layers();
+          },
+          "x"_a, "y"_a, "z"_a, "sigma"_a,
+          "A foot that stands at x, y, z of the map frame, with the standard deviation sigma of z "
+          "[m]: one more\npoint of the cell (eq. 5 to 7). Inside the gate the height moves by "
+          "v / (v + sigma^2) of the difference,\nv its variance; beyond it a lower z becomes the "
+          "ground, a higher one the top. An unknown or filled cell is\nmeasured from then on.")
+      .def(
           "__getitem__",
           [](Map& map, const std::string& name)
           { return square(map, layer_of(map, known_name(map, name))); },
           "layer"_a,
           "A layer by its name ('ground' is ground_elevation): (H, W) float32, read-only, row 0 in "
-          "the\nsouth, NaN: unknown. Heights [m], variance [m^2], scores [0, 1].")
+          "the\nsouth, NaN: unknown. Heights [m], variance [m^2], scores [0, 1]. A snapshot, made "
+          "once a\nframe: a view of the map's memory would change while another thread updates it.")
       .def("keys", &names_of, "Names of the layers.")
       .def(
           "at", &at, "layer"_a, "xy"_a,

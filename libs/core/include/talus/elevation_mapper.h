@@ -63,6 +63,16 @@ class ElevationMapper
   FrameReport update(
       const Frame& frame, FrameCells& cells, const std::function<void()>& meanwhile = {});
 
+  /** A foot that stands at (x, y, z) of the map frame [m], with the standard deviation of z [m]:
+   * one more point of stage 3 (eq. 5 to 7), in the last frame. It moves a height of a measured cell
+   * whose gate it is in by v / (v + sigma^2) of the difference, v the variance of that height.
+   * Beyond the gate a lower one becomes the ground, and a higher one the top of what stands. A cell
+   * that was not measured is so from then on. layer() shows it as after write_cells(). Throws
+   * std::invalid_argument for a height beyond 100 km, a deviation that is not finite and
+   * positive, or a position outside of the window (all are, before the first frame), then nothing
+   * has changed; std::logic_error while a frame is in flight. */
+  void contact(double x_m, double y_m, double z_m, double sigma_m);
+
   /** @name Two frames in flight
    * To overlap frames: start() the next one, then finish() the one before and read its layers.
    * A device then receives points and sends layers while it computes; the CPU backend does all in

@@ -13,6 +13,7 @@
 #include <talus/mrpt/version_compat.h>
 #include <talus/point_labels.h>
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,7 +54,7 @@ class HintFinder;
  * Read from a stream that is damaged or made up, it throws and stays as it was; the memory that
  * this takes grows with the bytes that are there, whatever they say. Options that are out of range
  * are refused by name: when written or read, and where they are used. */
-class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
+class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints, public OptionsCapable
 {
   DEFINE_SERIALIZABLE(CDualElevationMap, talus)
 
@@ -213,6 +214,14 @@ class CDualElevationMap : public mrpt::maps::CMetricMap, public NearestPoints
   };
   /** Of getVisualizationInto(). */
   TRenderOptions renderOptions;
+  /** The three by their names, for programs of MRPT that know no class. */
+  std::map<std::string, mrpt::config::CLoadableOptions*> optionsByName() override
+  {
+    return {
+        {"insertionOptions", &insertionOptions},
+        {"likelihoodOptions", &likelihoodOptions},
+        {"renderOptions", &renderOptions}};
+  }
 
   MAP_DEFINITION_START(CDualElevationMap)
   std::optional<double> resolution;  //!< side of a cell [m]; set: goes before insertionOpts

@@ -2,6 +2,7 @@
 // Every switch between versions of MRPT lives here, those of mrpt-nav in version_compat_nav.h.
 // Developed against 2.5.8 (Debian bookworm). MRPT_VERSION is 0xMmp up to 2.9 and 0xMMmmpp from 2.10
 // on, so only >= comparisons with the long form are safe.
+#include <mrpt/config/CLoadableOptions.h>
 #include <mrpt/img/TColor.h>
 #include <mrpt/maps/CPointsMap.h>
 #include <mrpt/obs/CObservationRotatingScan.h>
@@ -16,6 +17,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -68,6 +70,27 @@ using MrptSceneObject = mrpt::opengl::CRenderizable;
 #else
 #define TALUS_GET_SENSOR_POSE(pose) \
   void getSensorPose(mrpt::poses::CPose3D& out) const override { out = pose; }
+#endif
+
+// Options by their names, for programs that know no class: in MRPT after 3.1.2.
+#if __has_include(<mrpt/config/OptionsCapable.h>)
+#include <mrpt/config/OptionsCapable.h>
+namespace talus
+{
+using OptionsCapable = mrpt::config::OptionsCapable;
+}
+#else
+namespace talus
+{
+/** The same, until MRPT has it. */
+class OptionsCapable
+{
+ public:
+  virtual ~OptionsCapable() = default;
+  /** The options of an object: valid as long as it lives. */
+  virtual std::map<std::string, mrpt::config::CLoadableOptions*> optionsByName() = 0;
+};
+}  // namespace talus
 #endif
 
 // CMetricMap::boundingBox() is virtual from 2.11.3 on.
