@@ -115,7 +115,10 @@
       show_paths();
     }
   };
-  const since = age => { latest_at = age ? performance.now() - 1000 * age : NaN; };
+  const since = age => {
+    latest_at = age ? performance.now() - 1000 * age : NaN;
+    show_state();
+  };
   function connect() {
     const events = new EventSource('events');
     for (const [kind, show] of Object.entries(heard)) events.addEventListener(kind, e => show(JSON.parse(e.data)));
@@ -125,7 +128,10 @@
       show_next(JSON.parse(now));
     });
     events.addEventListener('idle', e => since(e.data));
-    events.onopen = () => { is_connected = true; };
+    events.onopen = () => {
+      is_connected = true;
+      show_state();
+    };
     events.onerror = () => {
       is_connected = false;
       if (events.readyState === EventSource.CLOSED) setTimeout(connect, 2000);  // it was refused
