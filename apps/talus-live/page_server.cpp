@@ -172,6 +172,7 @@ class Server : public httplib::Server
     stream() = &bounded;
     bool is_closed = false;
     const bool done = process(bounded, is_closed, 0);
+    stream() = nullptr;
     ::shutdown(socket, SHUT_RDWR);
     ::close(socket);
     return done;

@@ -39,7 +39,7 @@ class Socket
     ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof(wait));
     ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &wait, sizeof(wait));
     const auto to = local(port);
-    ::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof(to));
+    (void)::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof(to));
   }
   ~Socket() { ::close(socket_); }
   Socket(const Socket&) = delete;
@@ -72,7 +72,7 @@ int free_port()
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   auto address = local(0);
   socklen_t size = sizeof(address);
-  ::bind(socket, reinterpret_cast<const sockaddr*>(&address), size);
+  (void)::bind(socket, reinterpret_cast<const sockaddr*>(&address), size);
   ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
   ::close(socket);
   return ntohs(address.sin_port);
