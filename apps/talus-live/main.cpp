@@ -28,18 +28,15 @@ double now_s()
   return std::chrono::duration<double>(since).count();
 }
 
-std::unique_ptr<LivePage> made_page(const Options& o)
-{
-  return o.page ? std::make_unique<LivePage>(o.page_address, *o.page) : nullptr;
-}
-
 /** All that runs between start and signal. */
 class Live
 {
  public:
   Live(const Options& options, const Settings& settings)
       : options_(options),
-        page_(made_page(options)),
+        page_(
+            options.page ? std::make_unique<LivePage>(options.page_address, *options.page)
+                         : nullptr),
         output_(options.output),
         map_(settings, options.memory_mb, output_.staging(), options.resume),
         network_(options.domain.value_or(live::domain_of_environment()), "talus_live"),
