@@ -3,6 +3,7 @@
 #include "../common/output_folder.h"
 #include "../common/run_app.h"
 #include "drive_map.h"
+#include "live_page.h"
 #include "options.h"
 #include "publisher.h"
 #include "record.h"
@@ -13,6 +14,7 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 
@@ -32,6 +34,9 @@ class Live
  public:
   Live(const Options& options, const Settings& settings)
       : options_(options),
+        page_(
+            options.page ? std::make_unique<LivePage>(options.page_address, *options.page)
+                         : nullptr),
         output_(options.output),
         map_(settings, options.memory_mb, output_.staging(), options.resume),
         network_(options.domain.value_or(live::domain_of_environment()), "talus_live"),
@@ -40,6 +45,11 @@ class Live
   {
     if (options.record) record_.emplace(output_.staging() + "/record.rawlog");
     if (options.hz > 0) map_.set_layers(publisher_.emplace(network_, options.layers).layers());
+    if (page_)
+    {
+      page_->begin("talus-live: " + options.output, map_.site().resolution_m);
+      tell("shows the map at http://" + options.page_address + ":" + std::to_string(*options.page));
+    }
     tell(
         "joins domain " + std::to_string(options.domain.value_or(live::domain_of_environment())) +
         ", maps on " + map_.window().backend_name());
@@ -62,6 +72,7 @@ class Live
   void tell_of_losses();
 
   const Options& options_;
+  std::unique_ptr<LivePage> page_;  //!< where it is wanted
   OutputFolder output_;
   DriveMap map_;
   std::optional<Record> record_;
@@ -131,6 +142,7 @@ void Live::map_scans()
 void Live::publish()
 {
   const double now = now_s();
+  if (page_) page_->update(map_);
   if (!publisher_ || map_.frames() == published_frames_) return;
   if (std::abs(now - published_s_) < 1 / options_.hz) return;
   published_s_ = now;
@@ -195,6 +207,7 @@ void Live::tell_of_losses()
 
 void Live::finish()
 {
+  page_.reset();
   map_scans();
   stream_.end();
   map_scans();

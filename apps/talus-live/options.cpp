@@ -5,6 +5,9 @@
 
 #include <talus/layers.h>
 #include <talus/mrpt/parameters_ini.h>
+#include <talus/number_text.h>
+
+#include <cmath>
 
 namespace talus::app
 {
@@ -81,6 +84,17 @@ void add_map(CLI::App& app, Options& o)
       ->capture_default_str()
       ->type_name("MB");
 }
+
+int port_from(const std::vector<std::string>& given)
+{
+  constexpr int kDefault = 8070, kMax = 65535;
+  if (given.empty() || given.front().empty()) return kDefault;
+  const auto port = number_from(given.front());
+  if (!port || *port != std::floor(*port) || *port < 1 || *port > kMax)
+    throw CLI::ValidationError("--page", "'" + given.front() + "' is no port: 1 to 65535");
+  return static_cast<int>(*port);
+}
+
 void add_output(CLI::App& app, Options& o)
 {
   app.add_option("--hz", o.hz, "How often the window is published; 0: nothing is published")
@@ -95,6 +109,18 @@ void add_output(CLI::App& app, Options& o)
               { return find_layer(name) ? "" : "there is no layer '" + name + "'"; })
       ->allow_extra_args(false)
       ->type_name("NAME,...");
+  app.add_option_function<std::vector<std::string>>(
+         "--page", [&o](const std::vector<std::string>& port) { o.page = port_from(port); },
+         "Shows the map in browsers, at this port (default: 8070)")
+      ->expected(0, 1)
+      ->type_name("PORT");
+  app.add_option(
+         "--page-address", o.page_address,
+         "Address of this machine at which the page is; 0.0.0.0: also for other machines")
+      ->needs("--page")
+      ->check(not_empty())
+      ->capture_default_str()
+      ->type_name("ADDRESS");
   app.add_option("--output", o.output, "Folder of the results")
       ->check(not_empty())
       ->capture_default_str()

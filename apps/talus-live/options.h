@@ -25,6 +25,9 @@ struct Options
   double hz = 5;  //!< of what is published
   std::vector<std::string> layers;  //!< of /talus/grid_map
 
+  std::optional<int> page;  //!< port of the page, if there is one
+  std::string page_address = "127.0.0.1";  //!< of this machine, where the page is served
+
   std::string output = "live_map";
   std::string resume;  //!< site map of an earlier run, empty: none
   double save_every_min = 0;  //!< 0: at the end only

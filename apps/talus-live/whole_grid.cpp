@@ -35,14 +35,12 @@ void WholeGrid::read(site::TileStore& tiles, const site::TileKey& key)
 void WholeGrid::update(
     site::TileStore& tiles, int floor, const Window& window, const std::vector<std::int8_t>& cells)
 {
-  auto keys = tiles.take_changed();
   if (floor_ != floor)
   {
     *this = WholeGrid();
     floor_ = floor;
-    keys = tiles.keys();
   }
-  for (const auto& key : keys)
+  for (const auto& key : tiles.take_changed(changes_))
     if (key.floor == floor) read(tiles, key);
   for (const Window& w : {window_, window})
     if (w.cells > 0) changed_.add(w.min_cell_x, w.min_cell_y, w.cells);

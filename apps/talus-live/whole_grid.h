@@ -41,6 +41,7 @@ class WholeGrid
   void read(site::TileStore& tiles, const site::TileKey& key);
 
   std::optional<int> floor_;
+  std::uint64_t changes_ = 0;  //!< of tiles, that it has looked at
   std::map<site::TileKey, Cells> tiles_;
   Window window_;
   std::vector<std::int8_t> window_cells_;

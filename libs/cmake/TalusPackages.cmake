@@ -51,7 +51,7 @@ set(CPACK_COMPONENT_COMMANDS_DESCRIPTION "Maps of the terrain around ground robo
 set(CPACK_DEBIAN_LIVE_PACKAGE_NAME talus-live)
 set(CPACK_DEBIAN_LIVE_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_LIVE_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_LIVE_PACKAGE_DEPENDS "fonts-dejavu-core")
+set(CPACK_DEBIAN_LIVE_PACKAGE_DEPENDS "fonts-dejavu-core, libjs-leaflet")
 set(CPACK_DEBIAN_LIVE_PACKAGE_SUGGESTS talus)
 set(CPACK_COMPONENT_LIVE_DESCRIPTION "Maps of the terrain around ground robots, live from robots with ROS 2")
 set(CPACK_DEBIAN_PLUGIN_PACKAGE_NAME talus-mrpt-plugin)
@@ -90,7 +90,7 @@ set(debian "${PROJECT_BINARY_DIR}/debian")
 file(WRITE "${debian}/copyright" "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 Upstream-Name: talus\n\nFiles: *\nCopyright: 2026, the talus authors\nLicense: BSD-3-Clause\n ${licence}\n
 Files: libs/formats/src/page/leaflet_licence.txt\nCopyright: 2010-2019, Vladimir Agafonkin\n 2010-2011, CloudMade
-Comment: talus-export puts Leaflet, of libjs-leaflet, into the pages that it writes.
+Comment: talus-export and talus-live put Leaflet, of libjs-leaflet, into their pages.
 License: BSD-2-Clause\n ${leaflet}\n")
 execute_process(COMMAND date -R -u -d "${released}" OUTPUT_VARIABLE date OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 file(WRITE "${debian}/changelog.Debian" "talus (${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) ${codename}; urgency=medium

@@ -2,6 +2,7 @@
 
 PAGE: of test/support/small_terrain.h; moves the pointer, clicks twice, switches layers, and checks what is shown, on a
 desktop and on a phone.
+URL: of a page of talus-live; checks that the map is drawn.
 PAGE PICTURE: takes a picture of part of it with the values under the pointer and a profile.
 Exit code 77 where there is no browser."""
 import os
@@ -42,7 +43,7 @@ def wait_for(what, condition):
 
 
 def show(page):
-    page.get('file://' + os.path.abspath(sys.argv[1]))
+    page.get(sys.argv[1] if '://' in sys.argv[1] else 'file://' + os.path.abspath(sys.argv[1]))
     wait_for('page that is ready', lambda: page.execute_script('return document.body.dataset.ready'))
 
 
@@ -99,6 +100,25 @@ def check_layout(page, hint):
     assert not outside, outside
 
 
+def check_live(page):
+    text = lambda of: page.find_element(By.ID, of).text
+    wait_for('frame', lambda: page.execute_script('return document.body.dataset.live'))
+    assert 'live, ' in text('live') or 'no data for ' in text('live'), text('live')
+    assert 'scans' in text('legend'), text('legend')
+    wait_for('path', lambda: page.find_elements(By.CSS_SELECTOR, '.leaflet-overlay-pane path'))
+    middle = page.execute_script('const c = talus_map.getCenter(); return [c.lng, c.lat]')
+    for off_m in (0, 1):
+        point_at(page, middle[0] - off_m, middle[1], click=True)
+    wait_for('profile', lambda: page.find_elements(By.CSS_SELECTOR, '#profile svg path'))
+    for layer in page.find_elements(By.CSS_SELECTOR, '.leaflet-control-layers-base label'):
+        layer.click()
+        wait_for('cells of ' + layer.text, lambda: page.execute_script(
+            'const c = document.querySelector(".leaflet-latest-pane canvas");'
+            'return c.getContext("2d").getImageData(0, 0, c.width, c.height).data.some(v => v > 0)'))
+    errors = [e for e in page.get_log('browser') if e['level'] == 'SEVERE']
+    assert not errors, errors
+
+
 def check(page):
     text = lambda of: page.find_element(By.ID, of).text
     point_at(page, 1.25, 3.25)  # on the box
@@ -143,7 +163,9 @@ def with_browser(phone, *steps):
         page.quit()
 
 
-if len(sys.argv) > 2:
+if '://' in sys.argv[1]:
+    with_browser(True, check_live)
+elif len(sys.argv) > 2:
     with_browser(False, lambda page: take_picture(page, sys.argv[2]))
 else:
     if 'channels' not in sys.argv[1]:  # whose switches scroll on a phone

@@ -189,9 +189,9 @@ TEST(Formats, a_page_gets_coarser_until_it_is_small_enough)
   const ScratchDir dir;
   PageOptions options;
   options.title = "<!--<script> /* data */ </script> & b";
-  write_page(dir / "fine.html", map, options);
+  write_page(dir / "fine.html", page_map(map), options);
   options.max_bytes = std::size_t{1} << 19;
-  write_page(dir / "small.html", map, options);
+  write_page(dir / "small.html", page_map(map), options);
   const std::string fine = read_bytes(dir / "fine.html"), small = read_bytes(dir / "small.html");
   EXPECT_GT(fine.size(), options.max_bytes);
   EXPECT_LE(small.size(), options.max_bytes);
@@ -216,10 +216,13 @@ TEST(Formats, changes_of_another_size_of_cells_are_refused)
   io::LayerStack changes = small_terrain();
   changes.names = {"kind", "change_m", "a", "b"};
   changes.resolution_m = 0.2;
+  const io::LayerStack map = small_terrain();
+  PageMap shown = page_map(changes);
   PageOptions options;
-  options.changes = &changes;
-  EXPECT_THROW(write_page(dir / "p.html", small_terrain(), options), std::runtime_error);
+  options.changes = &shown;
+  EXPECT_THROW(write_page(dir / "p.html", page_map(map), options), std::runtime_error);
   changes.resolution_m = 0.1;
-  EXPECT_NO_THROW(write_page(dir / "p.html", small_terrain(), options));
+  shown = page_map(changes);
+  EXPECT_NO_THROW(write_page(dir / "p.html", page_map(map), options));
 }
 }  // namespace

@@ -65,6 +65,21 @@ TEST(GeoTiff, comes_back_with_the_same_bits)
     EXPECT_EQ(std::memcmp(in.layers[i].data(), out.layers[i].data(), 6 * sizeof(float)), 0) << i;
 }
 
+TEST(GeoTiff, is_read_part_by_part)
+{
+  const ScratchDir dir;
+  const LayerStack out = small_stack();
+  write_geotiff(dir / "map.tif", out);
+  const GeotiffFile file(dir / "map.tif");
+  const LayerStack part = file.read_part(1, 1, 2, 1, {out.names[1]});
+  EXPECT_EQ(part.min_x_m, -1.25);
+  EXPECT_EQ(part.min_y_m, 10.25);
+  ASSERT_EQ(part.layers.size(), 1U);
+  ASSERT_EQ(part.layers[0].size(), 2U);
+  EXPECT_EQ(std::memcmp(part.layers[0].data(), out.layers[1].data() + 4, 2 * sizeof(float)), 0);
+  EXPECT_THROW(file.read_part(1, 1, 3, 1), std::invalid_argument);
+}
+
 TEST(GeoTiff, is_north_up_in_metres_of_the_map_frame)
 {
   const ScratchDir dir;

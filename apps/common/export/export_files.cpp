@@ -30,28 +30,57 @@ constexpr const char* kLessMap = "Cut out a part of the map with gdal_translate"
 /** One map, as far as a format shows it. */
 struct Map
 {
+  std::string path;
   const io::GeotiffFile& file;
   LayerStack layers;
 };
 
-/** What a format shows of it, and no more: a band of a large site takes a GB. */
-Map read_map(const std::string& path, const io::GeotiffFile& file, const ExportFormat& format)
+void require_bands(const std::string& path, const std::vector<std::string>& bands)
 {
-  std::vector<std::string> bands = format.bands;
-  if (format.name == "html")
-    for (const std::string& name : channel_bands(file.bands())) bands.push_back(name);
-  Map map{file, file.read(bands)};
-  if (map.layers.layers.empty())
+  if (bands.empty())
     throw std::runtime_error(
         path + ": has none of the bands of a map: give a map.tif or site.tif of talus-map");
+}
+
+void require_sound_cells_of(const std::string& path, const LayerStack& cells)
+{
   try
   {
-    require_sound_cells(map.layers);
+    require_sound_cells(cells);
   }
   catch (const std::runtime_error& e)
   {
     throw std::runtime_error(path + ": " + e.what());
   }
+}
+
+/** What a format shows of it, and no more: a band of a large site takes a GB. A page reads it
+ * itself, part by part. */
+Map read_map(const std::string& path, const io::GeotiffFile& file, const ExportFormat& format)
+{
+  Map map{path, file, {}};
+  if (format.name == "html") return map;
+  map.layers = file.read(format.bands);
+  require_bands(path, map.layers.names);
+  require_sound_cells_of(path, map.layers);
+  return map;
+}
+
+/** Of these bands, as far as the file has them. */
+PageMap page_map_of(
+    const std::string& path, const io::GeotiffFile& file, const std::vector<std::string>& bands)
+{
+  PageMap map{file.place(), {}};
+  auto& names = map.place.names;
+  const auto is_other = [&](const std::string& name)
+  { return std::count(bands.begin(), bands.end(), name) == 0; };
+  names.erase(std::remove_if(names.begin(), names.end(), is_other), names.end());
+  map.read = [&file, path](int x, int y, int cells_x, int cells_y, const auto& wanted)
+  {
+    LayerStack part = file.read_part(x, y, cells_x, cells_y, wanted);
+    require_sound_cells_of(path, part);
+    return part;
+  };
   return map;
 }
 
@@ -67,7 +96,8 @@ std::vector<std::vector<PagePoint>> ways_of(const Map& map)
 }
 
 void write_html(
-    const std::string& path, const Map& map, const std::string& title, const ExportOptions& o)
+    const std::string& path, const Map& map, std::vector<std::string> bands,
+    const std::string& title, const ExportOptions& o)
 {
   PageOptions page;
   page.title = title;
@@ -76,20 +106,22 @@ void write_html(
   page.ways = ways_of(map);
   page.origin = map.file.origin();
   page.max_bytes = o.max_mb << 20;
-  LayerStack changes;
-  if (!o.changes.empty())
-  {
-    changes = io::read_geotiff(o.changes);
-    page.changes = &changes;
-  }
-  write_page(path, map.layers, page);
+  for (const std::string& name : channel_bands(map.file.bands())) bands.push_back(name);
+  const PageMap shown = page_map_of(map.path, map.file, bands);
+  require_bands(map.path, shown.place.names);
+  if (o.changes.empty()) return write_page(path, shown, page);
+  const io::GeotiffFile changes(o.changes);
+  const PageMap of_changes = page_map_of(o.changes, changes, {"kind", "change_m"});
+  page.changes = &of_changes;
+  write_page(path, shown, page);
 }
 
 /** A note on it; "": none. */
 std::string write_as(
-    const std::string& format, const std::string& path, const Map& map, const FileOrigin& origin,
+    const ExportFormat& as, const std::string& path, const Map& map, const FileOrigin& origin,
     const std::string& title, const ExportOptions& o)
 {
+  const std::string& format = as.name;
   const LayerStack& m = map.layers;
   if (format == "octomap") return write_octomap(path, m, o.clearance_m, origin);
   if (format == "ros") write_ros_map(path, m, o.ros_mode, o.occupancy);
@@ -97,7 +129,7 @@ std::string write_as(
   if (format == "ply") write_mesh(path, m, o.max_faces, origin);
   if (format == "heightmap") write_heightmap(path, m);
   if (format == "qgis") io::write_qgis_style(path);
-  if (format == "html") write_html(path, map, title, o);
+  if (format == "html") write_html(path, map, as.bands, title, o);
   return "";
 }
 
@@ -111,7 +143,7 @@ void write_or_report(
   {
     const Map map = read_map(path, file, format);
     const FileOrigin origin = o.origin.value_or(origin_for(map.layers));
-    const std::string note = write_as(format.name, written, map, origin, title, o);
+    const std::string note = write_as(format, written, map, origin, title, o);
     if (!note.empty()) exported.notes.push_back(note);
     if (!o.origin && format.has_origin && (origin.x_m != 0 || origin.y_m != 0))
       exported.notes.push_back(

@@ -149,31 +149,29 @@ float nodata_of(GDALRasterBand& band, const std::string& path)
   return has_nodata ? nodata : std::numeric_limits<float>::quiet_NaN();
 }
 
-/** Some rows, the southernmost first; nothing where the file has no block of them. */
+/** A square of pixels into rows from the south, of which `south` gets the southernmost; nothing
+ * where the file has no block of them. */
 void read_rows(
-    GDALRasterBand& band, int first, int count, std::vector<float>& cells, const std::string& path,
-    const GdalErrors& errors)
+    GDALRasterBand& band, int x, int first, int width, int count, float* south,
+    const std::string& path, const GdalErrors& errors)
 {
-  const int nx = band.GetXSize(), ny = band.GetYSize();
-  const int covered = band.GetDataCoverageStatus(0, first, nx, count, 0, nullptr);
+  const int covered = band.GetDataCoverageStatus(x, first, width, count, 0, nullptr);
   if (covered == GDAL_DATA_COVERAGE_STATUS_EMPTY) return;
-  const auto width = static_cast<std::size_t>(nx);
-  const auto row = static_cast<std::size_t>(ny - 1 - first), rows = static_cast<std::size_t>(count);
-  const GSpacing pixel = sizeof(float), line = -pixel * nx;
-  float* const first_row = cells.data() + row * width;
+  const GSpacing pixel = sizeof(float), line = -pixel * width;
+  const auto row = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(count);
   if (band.RasterIO(
-          GF_Read, 0, first, nx, count, first_row, nx, count, GDT_Float32, pixel, line, nullptr) !=
-      CE_None)
+          GF_Read, x, first, width, count, south + (rows - 1) * row, width, count, GDT_Float32,
+          pixel, line, nullptr) != CE_None)
     fail(path, "cannot read this GeoTIFF", errors);
   const float nodata = nodata_of(band, path);
-  float* const from = first_row - (rows - 1) * width;
-  std::replace(from, from + rows * width, nodata, std::numeric_limits<float>::quiet_NaN());
+  std::replace(south, south + rows * row, nodata, std::numeric_limits<float>::quiet_NaN());
 }
 
-/** All bands of a block lie side by side in a site, and so are read together. */
+/** Cells from (x, y) on. All bands of a block lie side by side in a site, and so are read together.
+ */
 void read_layers(
-    const std::vector<GDALRasterBand*>& bands, LayerStack& stack, const std::string& path,
-    const GdalErrors& errors)
+    const std::vector<GDALRasterBand*>& bands, int x, int y, LayerStack& stack,
+    const std::string& path, const GdalErrors& errors)
 {
   constexpr int kRows = 256;
   const GdalCacheLimit limit;
@@ -185,9 +183,15 @@ void read_layers(
     stack.names.emplace_back(band->GetDescription());
     stack.layers.emplace_back(cells, std::numeric_limits<float>::quiet_NaN());
   }
-  for (int y = 0; y < stack.cells_y; y += kRows)
+  for (int north = stack.cells_y; north > 0; north -= kRows)
+  {
+    const int rows = std::min(kRows, north);
+    const auto south = static_cast<std::size_t>(north - rows) * stack.cells_x;
     for (std::size_t b = 0; b < bands.size(); ++b)
-      read_rows(*bands[b], y, std::min(kRows, stack.cells_y - y), stack.layers[b], path, errors);
+      read_rows(
+          *bands[b], x, bands[b]->GetYSize() - y - north, stack.cells_x, rows,
+          stack.layers[b].data() + south, path, errors);
+  }
 }
 }  // namespace
 
@@ -245,16 +249,37 @@ std::string GeotiffFile::item(const char* name) const
 
 std::optional<GeoOrigin> GeotiffFile::origin() const { return origin_from(item(kOriginItem)); }
 
-LayerStack GeotiffFile::read(const std::vector<std::string>& bands) const
+LayerStack GeotiffFile::place() const
 {
   require_plain_floats(*impl_->dataset, impl_->path);
   LayerStack stack = place_of(*impl_->dataset, impl_->path, impl_->errors);
+  stack.names = bands();
+  return stack;
+}
+
+LayerStack GeotiffFile::read(const std::vector<std::string>& bands) const
+{
+  const LayerStack whole = place();
+  return read_part(0, 0, whole.cells_x, whole.cells_y, bands);
+}
+
+LayerStack GeotiffFile::read_part(
+    int x, int y, int cells_x, int cells_y, const std::vector<std::string>& bands) const
+{
+  LayerStack stack = place();
+  if (x < 0 || y < 0 || cells_x > stack.cells_x - x || cells_y > stack.cells_y - y)
+    throw std::invalid_argument(impl_->path + ": has no such part");
+  stack.names.clear();
+  stack.cells_x = cells_x;
+  stack.cells_y = cells_y;
+  stack.min_x_m += x * stack.resolution_m;
+  stack.min_y_m += y * stack.resolution_m;
   std::vector<GDALRasterBand*> wanted;
   for (auto* band : impl_->dataset->GetBands())
     if (bands.empty() ||
         std::find(bands.begin(), bands.end(), band->GetDescription()) != bands.end())
       wanted.push_back(band);
-  read_layers(wanted, stack, impl_->path, impl_->errors);
+  read_layers(wanted, x, y, stack, impl_->path, impl_->errors);
   impl_->dataset->FlushCache();  // the file stays open, its blocks need not
   return stack;
 }

@@ -18,6 +18,9 @@ constexpr float kLevel = 0.7071F;  //!< light on level ground
 constexpr float kPassable = 0.5F;  //!< what is there does not block: it hangs high, or is low
 constexpr float kMinWeight = 1e-3F;
 
+/** In pixels. */
+double deviation(double pixel_m) { return std::max(0.8, kSmoothed_m / pixel_m); }
+
 /** Means of the known ground around each pixel; 0 where none is near, as `weight` is there. */
 cv::Mat1f smoothed(const cv::Mat1f& ground_m, double pixel_m, cv::Mat1f& weight)
 {
@@ -30,7 +33,7 @@ cv::Mat1f smoothed(const cv::Mat1f& ground_m, double pixel_m, cv::Mat1f& weight)
       weight(y, x) = std::isfinite(z) ? 1.0F : 0.0F;
       height(y, x) = std::isfinite(z) ? z : 0.0F;
     }
-  const double sigma = std::max(0.8, kSmoothed_m / pixel_m);
+  const double sigma = deviation(pixel_m);
   cv::GaussianBlur(height, height, {}, sigma);
   cv::GaussianBlur(weight, weight, {}, sigma);
   for (int y = 0; y < ground_m.rows; ++y)
@@ -56,6 +59,11 @@ cv::Vec3b lit(const cv::Vec3b& colour, float shade)
   return c;
 }
 
+int reach_of_shade(double pixel_m)
+{
+  return static_cast<int>(std::ceil(4 * deviation(pixel_m))) + 2;  // OpenCV cuts the bell there
+}
+
 cv::Mat1f hill_shade(const cv::Mat1f& ground_m, double pixel_m)
 {
   cv::Mat1f weight;
@@ -78,7 +86,7 @@ cv::Mat1f hill_shade(const cv::Mat1f& ground_m, double pixel_m)
   return shade;
 }
 
-Terrain terrain_of(const LayerStack& s)
+Terrain terrain_of(const LayerStack& s, bool is_part)
 {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const cv::Size size(s.cells_x, s.cells_y);
@@ -91,7 +99,8 @@ Terrain terrain_of(const LayerStack& s)
   const auto* state = s.find(layer_name(Layer::State));
   // A single scan may tell nothing of the ground around the robot, so that nothing is reached.
   const auto* reached = s.find(layer_name(Layer::Reached));
-  if (reached && std::count(reached->begin(), reached->end(), 1.0F) == 0) reached = nullptr;
+  if (reached && !is_part && std::count(reached->begin(), reached->end(), 1.0F) == 0)
+    reached = nullptr;
   // Of a whole drive rays have proved what goes on from one side; of a window nothing has.
   const bool is_window = state && !s.find("age");
   const auto is_guessed_free = [&](std::size_t i)

@@ -13,6 +13,8 @@ cv::Vec3b lit(const cv::Vec3b& colour, float shade);
 /** Light from the upper left on a ground, 0..1, as a level ground has it where the ground is
  * unknown. Small roughness is smoothed away. */
 cv::Mat1f hill_shade(const cv::Mat1f& ground_m, double pixel_m);
+/** From how far the ground changes the light of a pixel [pixels]. */
+int reach_of_shade(double pixel_m);
 
 /** A piece of ground as pictures show it; row 0 is its north. Unknown is NaN and 0. */
 struct Terrain
@@ -24,8 +26,8 @@ struct Terrain
 };
 
 /** Of a map with a traversability; without one of the other layers, as on level, measured ground
- * without objects. */
-Terrain terrain_of(const LayerStack& stack);
+ * without objects. `is_part`: of a map of which some cell is reached, even if none of these is. */
+Terrain terrain_of(const LayerStack& stack, bool is_part = false);
 
 constexpr double kMinObstacle_m = 0.05;  //!< lower than that it is a rough ground
 

@@ -41,7 +41,7 @@ Window window_around(
 const MapSnapshot& FloorMap::update(
     Site& site, int floor, const Parameters& parameters, int max_cells, double x_m, double y_m)
 {
-  std::vector<TileKey> changed = site.tiles.take_changed();
+  std::vector<TileKey> changed = site.tiles.take_changed(changes_);
   look_at_changed(site, changed);
   CellBox known;
   for (const auto& [key, box] : known_)
@@ -63,7 +63,6 @@ const MapSnapshot& FloorMap::update(
 
 void FloorMap::look_at_changed(Site& site, std::vector<TileKey>& changed)
 {
-  if (floor_ < 0) changed = site.tiles.keys();
   for (const TileKey& key : changed)
   {
     CellBox box;

@@ -89,7 +89,7 @@ struct StoreOf<T>::Impl
     std::unique_ptr<T> tile;  //!< null: packed, or on disk
     std::vector<std::uint8_t> packed;  //!< empty: not packed, or on disk
     bool is_on_disk = false;  //!< as it is in memory, if it is there
-    bool is_changed = false;  //!< since it was asked
+    std::uint64_t change = 0;  //!< when at() gave it out last, by the count of these calls
     typename std::list<Entry*>::iterator in_recent;  //!< if it is in memory
     const TileKey* key = nullptr;
 
@@ -218,6 +218,7 @@ struct StoreOf<T>::Impl
   }
 
   std::size_t max_bytes, packed_bytes = 0, made = 0;  //!< tiles, in use or not
+  std::uint64_t changes = 0;
   std::string folder;
   std::vector<std::unique_ptr<T>> spare;
   std::unique_ptr<io::HiddenFolder> hidden;
@@ -260,7 +261,7 @@ T& StoreOf<T>::at(const TileKey& key)
   {
     T& tile = impl_->open(found->second);
     found->second.is_on_disk = false;
-    found->second.is_changed = true;
+    found->second.change = ++impl_->changes;
     return tile;
   }
   catch (...)
@@ -286,11 +287,12 @@ void StoreOf<T>::unpack_all()
 }
 
 template <class T>
-std::vector<TileKey> StoreOf<T>::take_changed()
+std::vector<TileKey> StoreOf<T>::take_changed(std::uint64_t& mark) const
 {
   std::vector<TileKey> changed;
-  for (auto& [key, entry] : impl_->entries)
-    if (std::exchange(entry.is_changed, false)) changed.push_back(key);
+  for (const auto& [key, entry] : impl_->entries)
+    if (entry.change > mark) changed.push_back(key);
+  mark = impl_->changes;
   return changed;
 }
 

@@ -23,33 +23,39 @@
     });
   }
 
+  async function tile_of([, , lowest_m, step_m, ground, more, changes, channels]) {
+    const [g, m, c, ...values] = await Promise.all(
+      [pixels_of(ground), pixels_of(more), changes ? pixels_of(changes) : null, ...channels.map(pixels_of)]);
+    return {
+      width: g.width, height: g.height, lowest_m, step_m, ground: g.data, more: m.data, changes: c && c.data,
+      channels: values.map(v => v.data)};
+  }
+
   // Decoded tiles, those that were not looked at for the longest time leave.
-  const decoded = new Map(), most_decoded = 150;
+  const decoded = new Map(), max_decoded = 150 * (512 / side) ** 2;
   function tile_at(column, row) {
     const key = column + ',' + row;
     if (!stored.has(key)) return Promise.resolve(null);
-    let tile = decoded.get(key);
+    const tile = decoded.get(key) || tile_of(stored.get(key));
     decoded.delete(key);
-    if (!tile) {
-      const [, , ground, more, changes, channels] = stored.get(key);
-      tile = Promise.all(
-        [pixels_of(ground), pixels_of(more), changes ? pixels_of(changes) : null, ...channels.map(pixels_of)]).then(
-        ([g, m, c, ...values]) => ({
-          width: g.width, height: g.height, ground: g.data, more: m.data, changes: c && c.data,
-          channels: values.map(v => v.data)}));
-    }
     decoded.set(key, tile);
-    if (decoded.size > most_decoded) decoded.delete(decoded.keys().next().value);
+    if (decoded.size > max_decoded) decoded.delete(decoded.keys().next().value);
     return tile;
   }
 
-  // What a cell holds; null where nothing is known. `p`: where its pixel begins.
-  function cell_of(tile, p) {
+  // NaN where nothing is known. `p`: where the pixel of a cell begins.
+  function ground_of(tile, p) {
     const height = tile.ground[p] * 256 + tile.ground[p + 1];
-    if (height === 0) return null;
+    return height === 0 ? NaN : tile.lowest_m + (height - 1) * tile.step_m;
+  }
+
+  // What a cell holds; null where nothing is known.
+  function cell_of(tile, p) {
+    const ground_m = ground_of(tile, p);
+    if (isNaN(ground_m)) return null;
     const score = tile.ground[p + 2], age = tile.more[p + 1], bits = tile.more[p + 2];
     return {
-      ground_m: d.lowest_m + (height - 1) * d.step_m,
+      ground_m,
       traversability: score === 255 ? NaN : score / 254,
       tall_m: tile.more[p] * d.tall_step_m,
       age_s: age === 255 ? NaN : Math.pow(2, age / d.age_steps) - 1,
@@ -66,11 +72,18 @@
     return code === 0 ? NaN : d.channels[k].lowest + (code - 1) * d.channels[k].step;
   }
 
+  // Of a tile whose first cell is (x0, y0).
+  function cell_in(tile, x, y, x0, y0) {
+    if (!tile || x < x0 || y < y0 || x >= x0 + tile.width || y >= y0 + tile.height) return null;
+    return cell_of(tile, 4 * ((y - y0) * tile.width + x - x0));
+  }
+
+  let latest = null;  // of a map that goes on the cells around the robot, and the first of them: {tile, x, y}
   async function cell_at(x_m, y_m) {
     const x = Math.floor((x_m - d.min_x_m) / d.resolution_m), y = Math.floor((top_y_m - y_m) / d.resolution_m);
-    if (x < 0 || y < 0 || x >= d.cells_x || y >= d.cells_y) return null;
-    const tile = await tile_at(Math.floor(x / side), Math.floor(y / side));
-    return tile && cell_of(tile, 4 * ((y % side) * tile.width + x % side));
+    const column = Math.floor(x / side), row = Math.floor(y / side);
+    const cell = latest && cell_in(latest.tile, x, y, latest.x, latest.y);
+    return cell || cell_in(await tile_at(column, row), x, y, column * side, row * side);
   }
 
   // ---- layers ------------------------------------------------------------------------------------------------------
@@ -80,7 +93,7 @@
   const lit = (c, light) => c.map(v => v * (0.4 + 0.6 * light / level_light));
   const pale = c => c.map(v => (v + 255) / 2);
   const scale = (colours, t) => colours[Math.round(255 * Math.min(1, Math.max(0, t)))];
-  let ground_range_m = [d.lowest_m, d.lowest_m + 1];
+  let ground_range_m = [0, 1];
 
   const nothing = c => lit([225, 225, 225], c.light);
   const layers = {
@@ -124,9 +137,8 @@
 
   const canvas_of = (width, height) => Object.assign(document.createElement('canvas'), {width, height});
 
-  // Of a stored tile as many columns and rows, from the upper left.
-  async function painted(column, row, colour, columns, rows) {
-    const tile = await tile_at(column, row);
+  // Of a tile as many columns and rows, from the upper left.
+  function painted(tile, colour, columns, rows) {
     const width = Math.min(columns, tile.width), height = Math.min(rows, tile.height);
     const canvas = canvas_of(width, height), context = canvas.getContext('2d');
     const image = context.createImageData(width, height);
@@ -141,12 +153,12 @@
   }
 
   // At zoom 0 a cell has a pixel.
-  const least_zoom = -Math.max(0, Math.ceil(Math.log2(Math.max(d.cells_x, d.cells_y) / side)));
+  const min_zoom = -Math.max(0, Math.ceil(Math.log2(Math.max(d.cells_x, d.cells_y) / side)));
   const overlap = 2;
-  const zooms = {minZoom: least_zoom - 1, maxZoom: 5};
+  const zooms = {minZoom: min_zoom - 1, maxZoom: 5};
 
   const CellLayer = L.GridLayer.extend({
-    options: {tileSize: side, minNativeZoom: least_zoom, maxNativeZoom: 0, ...zooms},
+    options: {tileSize: side, minNativeZoom: min_zoom, maxNativeZoom: 0, ...zooms},
     initialize: function (colour, options) {
       L.GridLayer.prototype.initialize.call(this, options);
       this.colour = colour;
@@ -156,18 +168,22 @@
       L.GridLayer.prototype._initTile.call(this, tile);
       tile.style.width = tile.style.height = side + overlap + 'px';
     },
-    // A tile of a zoom below 0 is made of several stored ones.
+    // A tile of a zoom below 0 is made of several stored ones. `tiles`: of these.
+    draw: function (canvas, at, tiles) {
+      const context = canvas.getContext('2d');
+      const along = Math.pow(2, -at.z), cells = k => k < along ? side : overlap * along;
+      return Promise.all(tiles.map(async ([column, row]) => {
+        const x = column - at.x * along, y = row - at.y * along;
+        if (x < 0 || y < 0 || x > along || y > along) return;
+        const part = painted(await tile_at(column, row), this.colour, cells(x), cells(y));
+        const place = [x * side / along, y * side / along, part.width / along, part.height / along];
+        context.clearRect(...place);
+        context.drawImage(part, ...place);
+      }));
+    },
     createTile: function (at, done) {
-      const canvas = canvas_of(side + overlap, side + overlap), context = canvas.getContext('2d');
-      const along = Math.pow(2, -at.z), parts = [], cells = k => k < along ? side : overlap * along;
-      for (let y = 0; y <= along; ++y)
-        for (let x = 0; x <= along; ++x) {
-          const column = at.x * along + x, row = at.y * along + y;
-          if (!stored.has(column + ',' + row)) continue;
-          parts.push(painted(column, row, this.colour, cells(x), cells(y)).then(part => context.drawImage(
-            part, x * side / along, y * side / along, part.width / along, part.height / along)));
-        }
-      Promise.all(parts).then(() => done(null, canvas), error => done(error, canvas));
+      const canvas = canvas_of(side + overlap, side + overlap);
+      this.draw(canvas, at, [...stored.values()]).then(() => done(null, canvas), error => done(error, canvas));
       return canvas;
     }
   });
@@ -198,9 +214,10 @@
     [top_y_m - t[1] * side * d.resolution_m, d.min_x_m + t[0] * side * d.resolution_m],
     [Math.max(d.min_y_m, top_y_m - (t[1] + 1) * side * d.resolution_m),
      Math.min(d.min_x_m + d.cells_x * d.resolution_m, d.min_x_m + (t[0] + 1) * side * d.resolution_m)]]);
-  map.fitBounds(L.latLngBounds(boxes.flat()));
+  if (boxes.length) map.fitBounds(L.latLngBounds(boxes.flat()));
+  else map.setView([0, 0], 0);
   new ResizeObserver(() => map.invalidateSize({pan: false})).observe(map.getContainer());
-  L.control.layers(named(base), named(overlays), {collapsed: false}).addTo(map);
+  const switches = L.control.layers(named(base), named(overlays), {collapsed: false}).addTo(map);
 
   const scale_bar = L.control({position: 'topleft'});
   scale_bar.onAdd = () => L.DomUtil.create('div', 'leaflet-control-scale-line');
@@ -369,19 +386,19 @@
   // ---- begin -------------------------------------------------------------------------------------------------------
 
   // The colours of heights reach from the lowest to the highest 1 % of the ground.
+  function range_of(heights) {
+    const sorted = heights.filter(h => !isNaN(h)).sort((a, b) => a - b);
+    const at = t => sorted[Math.floor(t * (sorted.length - 1))] || 0;
+    const low = at(0.01), high = at(0.99), spare = Math.max(0, 0.5 - (high - low)) / 2;
+    return [low - spare, high + spare];
+  }
   async function find_ground_range() {
     const heights = [];
     for (const [column, row] of d.tiles) {
       const tile = await tile_at(column, row);
-      for (let p = 0; p < tile.ground.length; p += 4 * 97) {
-        const code = tile.ground[p] * 256 + tile.ground[p + 1];
-        if (code) heights.push(code);
-      }
+      for (let p = 0; p < tile.ground.length; p += 4 * 97) heights.push(ground_of(tile, p));
     }
-    heights.sort((a, b) => a - b);
-    const at = t => d.lowest_m + ((heights[Math.floor(t * (heights.length - 1))] || 1) - 1) * d.step_m;
-    const low = at(0.01), high = at(0.99), spare = Math.max(0, 0.5 - (high - low)) / 2;
-    ground_range_m = [low - spare, high + spare];
+    ground_range_m = range_of(heights);
   }
   find_ground_range().then(() => {
     base['Traversability'].addTo(map);
@@ -390,4 +407,5 @@
     document.body.dataset.ready = 'yes';
   });
   document.title = d.title || 'talus';
+  /* live.js */
 })(map_data);

@@ -39,8 +39,13 @@ class GeotiffFile
   std::string item(const char* name) const;
   /** Where the map is on Earth; nothing where it does not say. */
   std::optional<GeoOrigin> origin() const;
+  /** Where it lies in the map frame, and the names of its bands, whose cells are not read. */
+  LayerStack place() const;
   /** In the map frame. `bands`: of these names only, where they are there; empty: all. */
   LayerStack read(const std::vector<std::string>& bands = {}) const;
+  /** The same of a part of it: `cells_x` by `cells_y` cells, the first of which is cell (x, y). */
+  LayerStack read_part(
+      int x, int y, int cells_x, int cells_y, const std::vector<std::string>& bands = {}) const;
 
  private:
   struct Impl;

@@ -24,7 +24,7 @@ struct CellBox
 /** One floor of a site as one map: the layers elevation, ground elevation, variance, state,
  * traversability and sparsity, of which nothing is kept, in the smallest square window that holds
  * all that is known of it. Looks again only at tiles that have changed, so it belongs to one site,
- * of which no tile is erased, and is the one user of TileStore::take_changed(). */
+ * of which no tile is erased. */
 class FloorMap
 {
  public:
@@ -41,6 +41,7 @@ class FloorMap
 
   MapSnapshot map_;
   int floor_ = -1;  //!< none yet
+  std::uint64_t changes_ = 0;  //!< that it has looked at
   std::map<TileKey, CellBox> known_;  //!< of all floors
 };
 

@@ -85,8 +85,8 @@ class StoreOf
   void pack(const TileKey& key);
   /** Before all are read, more than once: unpacks them if the budget allows it for all. */
   void unpack_all();
-  /** Those that at() gave out since the last call, ascending. For one user of a store alone. */
-  std::vector<TileKey> take_changed();
+  /** Those that at() gave out since the last call with this mark, ascending; with 0 all. */
+  std::vector<TileKey> take_changed(std::uint64_t& mark) const;
   /** Forgets one, if there is such. */
   void erase(const TileKey& key);
   /** In ascending order, wherever they are. */
