@@ -1,13 +1,27 @@
 #include "whole_grid.h"
 
+#include <talus/formats/write.h>
+#include <talus/io/layer_stack.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 #include "cell_bands.h"
 
 namespace talus::app
 {
 using site::kTileCells;
+
+namespace
+{
+/** How far a cell has to do with others. */
+std::int64_t margin_cells(double close_islands_m, double resolution_m)
+{
+  return 1 + static_cast<std::int64_t>(std::ceil(close_islands_m / resolution_m));
+}
+}  // namespace
 
 void WholeGrid::Area::add(std::int64_t x, std::int64_t y, std::int64_t cells)
 {
@@ -38,7 +52,7 @@ void WholeGrid::update(
   auto keys = tiles.take_changed();
   if (floor_ != floor)
   {
-    *this = WholeGrid();
+    *this = WholeGrid(close_islands_m_);
     floor_ = floor;
     keys = tiles.keys();
   }
@@ -55,12 +69,36 @@ void WholeGrid::update(
 
 WholeGrid::Area WholeGrid::take_changed()
 {
-  const Area changed = changed_;
-  changed_ = {};
-  return changed;
+  Area changed = std::exchange(changed_, {});
+  if (changed.empty() || window_.cells == 0) return changed;
+  changed = changed.grown(margin_cells(close_islands_m_, window_.resolution_m));
+  return {
+      std::max(changed.min_x, area_.min_x), std::max(changed.min_y, area_.min_y),
+      std::min(changed.end_x, area_.end_x), std::min(changed.end_y, area_.end_y)};
 }
 
 live::Grid WholeGrid::cells(const Area& area, double resolution_m) const
+{
+  const auto margin = margin_cells(close_islands_m_, resolution_m);
+  const live::Grid around = open_cells(area.grown(margin), resolution_m);
+  io::LayerStack map;
+  map.cells_x = around.cells_x;
+  map.cells_y = around.cells_y;
+  map.resolution_m = resolution_m;
+  map.names = {layer_name(Layer::Traversability)};
+  auto& scores = map.layers.emplace_back();
+  scores.reserve(around.cells.size());
+  for (const auto cell : around.cells) scores.push_back(cell < 0 ? NAN : cell == 0 ? 1.0F : 0.0F);
+  const auto closed = formats::ros_cells(map, {0.0, close_islands_m_});
+  live::Grid grid = open_cells(area, resolution_m);
+  for (std::int64_t iy = 0; iy < grid.cells_y; ++iy)
+    std::copy_n(
+        closed.begin() + (iy + margin) * around.cells_x + margin, grid.cells_x,
+        grid.cells.begin() + iy * grid.cells_x);
+  return grid;
+}
+
+live::Grid WholeGrid::open_cells(const Area& area, double resolution_m) const
 {
   live::Grid grid;
   grid.cells_x = static_cast<int>(area.end_x - area.min_x);
