@@ -38,19 +38,20 @@ class WholeGrid
 
   /** Where cells are. */
   const Area& area() const { return area_; }
-  /** What changed since the last call, and what that may close or open. */
+  /** What changed since the last call, and what that may close or open. cells() are of then. */
   Area take_changed();
   /** The cells of an area, without islands, see formats::Occupancy. */
   live::Grid cells(const Area& area, double resolution_m) const;
 
  private:
   live::Grid open_cells(const Area& area, double resolution_m) const;
+  void close(const Area& area);
   using Cells = std::array<std::int8_t, site::Tile().cells.size()>;
   void read(site::TileStore& tiles, const site::TileKey& key);
 
   double close_islands_m_;
   std::optional<int> floor_;
-  std::map<site::TileKey, Cells> tiles_;
+  std::map<site::TileKey, Cells> tiles_, closed_;  //!< as they came, and without islands
   Window window_;
   std::vector<std::int8_t> window_cells_;
   Area area_, changed_;

@@ -25,7 +25,11 @@ TEST(WholeGrid, closes_the_islands_that_an_export_closes_in_any_part_of_it)
     cell = static_cast<std::int8_t>(number < 4 ? 0 : number < 8 ? 100 : -1);
   }
   app::WholeGrid closed(kClose_m), open(0);
-  for (auto* grid : {&closed, &open}) grid->update(none, 0, window, cells);
+  for (auto* grid : {&closed, &open})
+  {
+    grid->update(none, 0, window, cells);
+    EXPECT_FALSE(grid->take_changed().empty());
+  }
   const auto area = closed.area();
   const auto before = open.cells(area, kResolution_m), after = closed.cells(area, kResolution_m);
   io::LayerStack map;
