@@ -1,5 +1,6 @@
 #include "drive_map.h"
 
+#include "corrected_poses.h"
 #include "../common/child_process.h"
 #include "../common/import/rawlog_writer.h"
 #include "../common/output_folder.h"
@@ -20,8 +21,6 @@ namespace talus::app
 {
 namespace
 {
-constexpr double kMaxGap_s = 0.5;  // as talus-map has it
-
 /** A pose as a log gives it back. */
 mrpt::poses::CPose3D as_in_log(const mrpt::poses::CPose3D& pose)
 {
@@ -51,27 +50,47 @@ DriveMap::DriveMap(
 {
 }
 
-void DriveMap::add(const import::ImportedScan& scan, const io::Trajectory& poses)
+void DriveMap::run_on(const Settings& s)
 {
-  points_from_observation(*import::observation_of(scan), scan_);
-  scan_.T_base_sensor = as_in_log(scan_.T_base_sensor);
+  const auto layers = map_.output_layers();
+  map_ = ElevationMapper(s.parameters, map_.save(), s.backend, s.threads, s.device.value_or(0));
+  map_.set_output_layers(layers);
+}
+
+std::string DriveMap::add(const import::ImportedScan& scan, const io::Trajectory& poses)
+{
+  const auto observation = import::observation_of(scan);
+  observation->setSensorPose(as_in_log(scan.T_base_sensor));
+  return add(*observation, poses);
+}
+
+std::string DriveMap::add(const mrpt::obs::CObservation& scan, const io::Trajectory& poses)
+{
+  try
+  {
+    if (!points_from_observation(scan, scan_)) return scan.sensorLabel + ": not a scan";
+  }
+  catch (const std::runtime_error& e)
+  {
+    return e.what();
+  }
   const auto base_at = [&](double stamp_s) { return poses.at(stamp_s, kMaxGap_s); };
   const auto T_map_base = base_at(scan_.stamp_s);
-  if (scan_.x_m.empty() || !T_map_base)
-    throw std::runtime_error(scan.sensor_label + ": a scan without points or pose");
+  if (scan_.x_m.empty() || !T_map_base) return scan.sensorLabel + ": a scan without points or pose";
   Frame frame = frame_from(scan_, *T_map_base);
   frame.path = sensor_path(scan_, base_at);
   try
   {
-    frame.sensor = sensors_.number_of(scan.sensor_label);
+    frame.sensor = sensors_.number_of(scan.sensorLabel);
     map_.window_after(frame);  // throws for a pose that is none
     T_map_base_ = *T_map_base;
     gatherer_.add(frame, [this](const Frame& whole) { map_scan(whole); });
   }
   catch (const std::invalid_argument& e)
   {
-    throw std::runtime_error(scan.sensor_label + ": " + e.what());
+    return scan.sensorLabel + ": " + e.what();
   }
+  return "";
 }
 
 void DriveMap::map_scan(const Frame& scan)

@@ -6,7 +6,6 @@
 #include <talus/import/scan_source.h>
 #include <talus/io/layer_stack.h>
 #include <talus/mrpt/observation_points.h>
-#include <talus/mrpt/observation_points.h>
 #include <talus/site/site_mapper.h>
 
 #include <mrpt/poses/CPose3D.h>
@@ -33,9 +32,11 @@ class DriveMap
       const Settings& settings, double memory_mb, const std::string& folder,
       const std::string& resume);
 
-  /** Maps a scan, or gathers it where it is a part of one. Throws std::runtime_error that says what
-   * is wrong with it; then it is left out. */
-  void add(const import::ImportedScan& scan, const io::Trajectory& poses);
+  /** Maps a scan of a log, or gathers it where it is a part of one. What is wrong with it, then it
+   * is left out; empty: nothing. Throws std::runtime_error where the site finds no room. */
+  std::string add(const mrpt::obs::CObservation& scan, const io::Trajectory& poses);
+  /** The same of one that is to be what a log gives back. */
+  std::string add(const import::ImportedScan& scan, const io::Trajectory& poses);
 
   /** How many scans reached the map. */
   std::size_t frames() const { return frames_; }
@@ -44,6 +45,8 @@ class DriveMap
   const ElevationMapper& window() const { return map_; }
   /** Layers that each frame makes. */
   void set_layers(const std::vector<Layer>& layers) { map_.set_output_layers(layers); }
+  /** From now on on threads as the settings say. */
+  void run_on(const Settings& settings);
   const mrpt::poses::CPose3D& base() const { return T_map_base_; }  //!< in the last frame
   double stamp_s() const { return scan_.stamp_s; }  //!< of it
   site::Site& site() { return site_; }

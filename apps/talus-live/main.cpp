@@ -6,17 +6,21 @@
 #include "live_page.h"
 #include "options.h"
 #include "publisher.h"
-#include "record.h"
+#include "remaker.h"
 #include "topics.h"
 
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <thread>
+#include <utility>
 
 namespace talus::app
 {
@@ -38,25 +42,28 @@ class Live
             options.page ? std::make_unique<LivePage>(options.page_address, *options.page)
                          : nullptr),
         output_(options.output),
-        map_(settings, options.memory_mb, output_.staging(), options.resume),
+        map_(std::make_unique<DriveMap>(
+            settings, options.memory_mb, output_.staging(), options.resume)),
+        jump_finder_(settings.parameters.resolution_m),
         network_(options.domain.value_or(live::domain_of_environment()), "talus_live"),
-        topics_(network_, options.source.topics),
+        topics_(network_, options.source.topics, options.corrected_path),
         stream_(options.source, options.max_wait_s)
   {
-    if (options.record) record_.emplace(output_.staging() + "/record.rawlog");
-    if (options.hz > 0) map_.set_layers(publisher_.emplace(network_, options.layers).layers());
+    if (options.record) remaker_.emplace(options, settings, output_.staging());
+    if (options.hz > 0) map_->set_layers(publisher_.emplace(network_, options.layers).layers());
     if (page_)
     {
-      page_->begin("talus-live: " + options.output, map_.site().resolution_m);
+      page_->begin("talus-live: " + options.output, map_->site().resolution_m);
       tell("shows the map at http://" + options.page_address + ":" + std::to_string(*options.page));
     }
     tell(
         "joins domain " + std::to_string(options.domain.value_or(live::domain_of_environment())) +
-        ", maps on " + map_.window().backend_name());
+        ", maps on " + map_->window().backend_name());
   }
 
   void run();
-  void finish();
+  /** False: the record is not among the results. */
+  bool finish();
 
  private:
   void tell(const std::string& text) const
@@ -70,22 +77,29 @@ class Live
   void map_scans();
   void tell_state();
   void tell_of_losses();
+  void take_poses(double now);
+  void correct(double now);
+  void finish_corrections();
+  void drop_record(const std::string& why);
 
   const Options& options_;
   std::unique_ptr<LivePage> page_;  //!< where it is wanted
   OutputFolder output_;
-  DriveMap map_;
-  std::optional<Record> record_;
+  std::unique_ptr<DriveMap> map_;
+  JumpFinder jump_finder_;
+  std::optional<Remaker> remaker_;  //!< with --record
   live::Participant network_;
   std::optional<Publisher> publisher_;
   Topics topics_;
   import::ScanStream stream_;
   import::ImportedScan scan_;
-  std::string trouble_;  //!< that was told last
+  std::string trouble_, told_path_;  //!< that was told last
+  bool has_record_ = true;  //!< where one is wanted
+  bool has_told_of_jump_ = false;
   std::optional<int> saving_;  //!< the child that does
   double published_s_ = 0, saved_s_ = now_s();
   std::size_t published_frames_ = 0;
-  std::size_t told_scans_ = 0, told_late_ = 0, told_missing_ = 0;
+  std::size_t told_scans_ = 0, told_late_ = 0, told_missing_ = 0, told_lost_ = 0;
 };
 
 /** Who publishes what changes seldom. */
@@ -105,6 +119,7 @@ void Live::run()
     network_.wait(kWait_s);
     map_scans();
     const double now = now_s();
+    correct(now);
     if (std::abs(now - looked_s) >= kLook_s) look(), looked_s = now;
     if (std::abs(now - told_s) >= kState_s) tell_state(), told_s = now;
     if (options_.save_every_min > 0) save(now);
@@ -116,38 +131,108 @@ bool Live::next_scan()
 {
   const double now = now_s();
   topics_.take_into(stream_, now);
+  take_poses(now);
   return stream_.next(scan_, now);
+}
+
+void Live::take_poses(double now)
+{
+  const auto poses = stream_.take_new_poses();
+  if (remaker_) return remaker_->add(poses, now);
+  for (const auto& pose : poses)
+    if (jump_finder_.add(pose) && !std::exchange(has_told_of_jump_, true))
+      print_error(
+          "map -> odom has jumped: what was mapped before stays where it is; with --record the map "
+          "is made again");
+}
+
+/** Where better poses become known. */
+void Live::correct(double now)
+{
+  if (!remaker_) return;
+  try
+  {
+    const auto path = stream_.map_frame().empty() ? std::nullopt : topics_.take_path();
+    if (path) remaker_->take_path(*path, stream_.map_frame(), now);
+  }
+  catch (const std::runtime_error& e)
+  {
+    if (const std::string text = e.what(); std::exchange(told_path_, text) != text)
+      print_error(text);
+  }
+  auto map = remaker_->work(now);
+  for (const auto& text : remaker_->take_news()) tell(text);
+  for (const auto& text : remaker_->take_errors()) print_error(text);
+  if (!map) return;
+  map->set_layers(map_->window().output_layers());
+  map_ = std::move(map);
+  if (publisher_) publisher_->begin_anew(remaker_->history());
+  published_frames_ = 0;
+  publish();
+}
+
+/** A robot that is switched off may say so twice, by two signals: then it cannot wait. */
+void Live::finish_corrections()
+{
+  correct(now_s());
+  if (!remaker_ || !remaker_->is_at_work()) return;
+  tell("waits for the map that is made again; another signal (TERM, INT) ends that");
+  const int signal = stop_signal();
+  constexpr auto kStep = std::chrono::milliseconds(10);
+  for (; remaker_->is_at_work() && stop_signal() == signal; std::this_thread::sleep_for(kStep))
+  {
+    remaker_->hurry();
+    correct(now_s());
+  }
+}
+
+/** The map is worth more. */
+void Live::drop_record(const std::string& why)
+{
+  print_error(why + "; nothing is recorded any more");
+  remaker_.reset();
+  has_record_ = false;
+  for (const auto& file : std::filesystem::directory_iterator(output_.staging()))
+    if (file.path().filename().string().rfind("record.", 0) == 0)
+      std::filesystem::remove(file.path());
 }
 
 void Live::map_scans()
 {
   while (next_scan())
   {
-    if (record_) record_->add(scan_);
     try
     {
-      map_.add(scan_, stream_.poses());
+      if (remaker_) remaker_->add(scan_);
     }
     catch (const std::runtime_error& e)
     {
-      print_error(std::string(e.what()) + "; it is left out");
+      drop_record(e.what());
     }
+    std::string wrong;
+    try
+    {
+      wrong = map_->add(scan_, remaker_ ? remaker_->poses() : stream_.poses());
+    }
+    catch (const std::runtime_error& e)
+    {
+      wrong = e.what();
+    }
+    if (!wrong.empty()) print_error(wrong + "; it is left out");
     publish();
   }
   publish();
-  const auto poses = stream_.take_new_poses();
-  if (record_) record_->add(poses);
 }
 
 void Live::publish()
 {
   const double now = now_s();
-  if (page_) page_->update(map_);
-  if (!publisher_ || map_.frames() == published_frames_) return;
+  if (page_) page_->update(*map_);
+  if (!publisher_ || map_->frames() == published_frames_) return;
   if (std::abs(now - published_s_) < 1 / options_.hz) return;
   published_s_ = now;
-  published_frames_ = map_.frames();
-  publisher_->publish(map_, stream_.map_frame());
+  published_frames_ = map_->frames();
+  publisher_->publish(*map_, stream_.map_frame());
 }
 
 /** In a child: the map goes on meanwhile. */
@@ -155,10 +240,10 @@ void Live::save(double now)
 {
   constexpr double kMinute_s = 60;
   if (saving_ && ::waitpid(*saving_, nullptr, WNOHANG) != 0) saving_.reset();
-  if (saving_ || map_.frames() == 0) return;
+  if (saving_ || map_->frames() == 0 || (remaker_ && remaker_->is_making())) return;
   if (std::abs(now - saved_s_) < options_.save_every_min * kMinute_s) return;
   saved_s_ = now;
-  saving_ = map_.start_save(options_.output);
+  saving_ = map_->start_save(options_.output);
   if (!saving_)
     print_error(
         "the site is too large for --save-every; --memory allows more, it is written at the end");
@@ -176,7 +261,7 @@ void Live::tell_state()
     if (trouble != trouble_) print_error("no scan for 5 s: " + trouble);
     trouble_ = trouble;
   }
-  else if (const auto why = map_.why_empty(); why != trouble_)
+  else if (const auto why = map_->why_empty(); why != trouble_)
   {
     if (!why.empty()) print_error(why);
     trouble_ = why;
@@ -192,11 +277,14 @@ void Live::tell_state()
 void Live::tell_of_losses()
 {
   constexpr std::size_t kEnough_bytes = std::size_t{16} << 20, kPacket_bytes = 65536;
-  const auto missing = stream_.counts().missing;
-  if (missing == told_missing_) return;
+  const auto missing = stream_.counts().missing, lost = topics_.lost();
+  told_lost_ = std::min(told_lost_, lost);  // topics that are left count no more
+  if (missing == told_missing_ && lost == told_lost_) return;
   std::string text = "by their stamps " + std::to_string(missing - told_missing_) +
-                     " clouds are missing between those that came";
+                     " clouds are missing between those that came, and the network has lost " +
+                     std::to_string(lost - told_lost_) + " messages";
   told_missing_ = missing;
+  told_lost_ = lost;
   const auto buffer = live::max_receive_buffer();
   if (topics_.max_bytes() > kPacket_bytes && buffer > 0 && buffer < kEnough_bytes)
     text += "; one has " + std::to_string(topics_.max_bytes()) +
@@ -205,7 +293,7 @@ void Live::tell_of_losses()
   print_error(text);
 }
 
-void Live::finish()
+bool Live::finish()
 {
   page_.reset();
   map_scans();
@@ -228,13 +316,22 @@ void Live::finish()
     throw std::runtime_error(
         "nothing was mapped, nothing is written: " + (why.empty() ? stream_.why_nothing() : why));
   }
-  if (record_) record_->close();
   if (saving_) wait_for_child(*saving_);
-  map_.finish(output_.staging());
+  finish_corrections();
+  try
+  {
+    if (remaker_) remaker_->close();
+  }
+  catch (const std::runtime_error& e)
+  {
+    drop_record(e.what());
+  }
+  map_->finish(output_.staging());
   output_.commit(kSeal);
   tell(
-      std::to_string(map_.frames()) + " frames of " + std::to_string(counts.scans) +
+      std::to_string(map_->frames()) + " frames of " + std::to_string(counts.scans) +
       " scans are mapped: " + options_.output + "/site.tif, site.png, map.tif, map.png");
+  return has_record_;
 }
 
 int run(const Options& options)
@@ -245,8 +342,7 @@ int run(const Options& options)
   for (const auto& warning : settings.warnings) print_error("warning: " + warning);
   Live live(options, settings);
   live.run();
-  live.finish();
-  return 0;
+  return live.finish() ? 0 : 1;
 }
 }  // namespace
 }  // namespace talus::app

@@ -138,9 +138,22 @@ void add_options(CLI::App& app, Options& o)
   app.add_option("--save-every", o.save_every_min, "Also write the results so often [min]")
       ->check(between(0.0, 1e5))
       ->type_name("MIN");
-  app.add_flag(
+  auto* record = app.add_flag(
       "--record", o.record,
-      "Also write record.rawlog and record.tum, of which talus-map makes the same map again");
+      "Also write record.rawlog and record.tum, of which talus-map makes the same map again; and "
+      "make it again where map -> odom jumps");
+  app.add_option(
+         "--corrected-path", o.corrected_path,
+         "Make the map again with the poses of this topic (nav_msgs/Path) when they change")
+      ->needs(record)
+      ->check(not_empty())
+      ->type_name("NAME");
+  app.add_option(
+         "--corrected-trajectory", o.corrected_trajectory,
+         "Make it again with the poses of this file (TUM text) whenever it is written anew")
+      ->needs(record)
+      ->check(not_empty())
+      ->type_name("FILE");
   app.add_flag("--quiet", o.quiet, "Print warnings and errors only");
 }
 

@@ -32,6 +32,7 @@ struct Options
   std::string resume;  //!< site map of an earlier run, empty: none
   double save_every_min = 0;  //!< 0: at the end only
   bool record = false;  //!< a log is a result, too
+  std::string corrected_path, corrected_trajectory;  //!< topic and file of poses that change
   bool quiet = false;
 };
 

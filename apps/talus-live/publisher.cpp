@@ -13,7 +13,6 @@ namespace talus::app
 namespace
 {
 constexpr live::Quality kKept{true, true, 1}, kLast{true, false, 5};
-constexpr formats::Occupancy kOccupancy{0.0, 0.5};  // as talus-export has it
 
 constexpr double kWholeEvery_s = 1;  //!< by the clock of the frames
 
@@ -76,8 +75,10 @@ void Publisher::publish(DriveMap& map, const std::string& frame)
     obstacles_.write(live::cloud_message(header, cloud));
   }
   if (!layers_.empty()) grid_map_.write(live::grid_map_message(header, window, layers_));
-  note_pose(map);
-  whole_.update(map.site().tiles, map.floor(), map.window().window(), grid.cells);
+  note_pose(map.stamp_s(), map.base());
+  whole_.update(
+      map.site().tiles, map.floor(), map.window().window(),
+      formats::ros_cells(window, {kOccupancy.blocked_at, 0.0}));
   if (std::abs(header.stamp_s - whole_s_) < kWholeEvery_s) return;
   whole_s_ = header.stamp_s;
   path_.write(live::path_message(header, poses_));
@@ -103,13 +104,21 @@ void Publisher::publish_whole(DriveMap& map, const live::Header& header)
         static_cast<int>(changed.min_y - area.min_y)));
 }
 
+void Publisher::begin_anew(const std::vector<io::Trajectory::Entry>& poses)
+{
+  whole_ = WholeGrid(kOccupancy.close_islands_m);
+  published_ = {};
+  poses_.clear();
+  for (const auto& pose : poses) note_pose(pose.time_s, pose.T_map_base);
+}
+
 /** About four a metre; of a long drive every second one. */
-void Publisher::note_pose(const DriveMap& map)
+void Publisher::note_pose(double stamp_s, const mrpt::poses::CPose3D& T_map_base)
 {
   constexpr double kApart_m = 0.25;
   constexpr std::size_t kMax = 5000;
-  if (!poses_.empty() && poses_.back().second.distanceTo(map.base()) < kApart_m) return;
-  poses_.emplace_back(map.stamp_s(), map.base());
+  if (!poses_.empty() && poses_.back().second.distanceTo(T_map_base) < kApart_m) return;
+  poses_.emplace_back(stamp_s, T_map_base);
   if (poses_.size() < kMax) return;
   for (std::size_t i = 0; i < kMax / 2; ++i) poses_[i] = poses_[2 * i];
   poses_.resize(kMax / 2);

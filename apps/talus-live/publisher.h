@@ -11,6 +11,8 @@
 
 namespace talus::app
 {
+constexpr formats::Occupancy kOccupancy{0.0, 0.5};  //!< as talus-export has it
+
 /** Tells the robot its map, on topics below /talus. */
 class Publisher
 {
@@ -21,17 +23,20 @@ class Publisher
   /** Of the map after its newest frame, whose poses are in `frame`. */
   void publish(DriveMap& map, const std::string& frame);
 
+  /** From now on the map is another one, made at these poses. */
+  void begin_anew(const std::vector<io::Trajectory::Entry>& poses);
+
   /** The layers that publish() reads with each frame. */
   std::vector<Layer> layers() const;
 
  private:
   void publish_whole(DriveMap& map, const live::Header& header);
-  void note_pose(const DriveMap& map);
+  void note_pose(double stamp_s, const mrpt::poses::CPose3D& T_map_base);
   io::LayerStack window_of(const DriveMap& map) const;
 
   std::vector<std::string> layers_;
   live::Publication map_, map_updates_, window_, obstacles_, path_, grid_map_;
-  WholeGrid whole_;
+  WholeGrid whole_{kOccupancy.close_islands_m};
   WholeGrid::Area published_;  //!< of the whole map, as it was published last
   int map_listeners_ = 0;
   double whole_s_ = -1e9;  //!< stamp of the frame with which the whole map was published last

@@ -4,13 +4,15 @@
 
 namespace talus::app
 {
-Topics::Topics(live::Participant& network, const std::vector<std::string>& wanted)
-    : network_(network), wanted_(wanted)
+Topics::Topics(
+    live::Participant& network, const std::vector<std::string>& wanted, const std::string& path)
+    : network_(network), wanted_(wanted), path_(path)
 {
 }
 
 bool Topics::is_wanted(const live::Offer& offer) const
 {
+  if (offer.topic == path_) return import::is_path(offer.type);
   if (!import::ScanStream::reads(offer.topic, offer.type)) return false;
   if (!import::ScanStream::is_cloud(offer.type) || wanted_.empty()) return true;
   return std::find(wanted_.begin(), wanted_.end(), offer.topic) != wanted_.end();
@@ -30,17 +32,20 @@ std::vector<std::string> Topics::look(const import::ScanStream& stream)
     const bool is_cloud = import::ScanStream::is_cloud(offer.type);
     if (!is_wanted(offer))
     {
+      if (offer.topic == path_) say(path_ + " is left out: it is " + offer.type + ", no Path");
       if (is_cloud) say(offer.topic + " is left out: --topic does not name it");
       continue;
     }
     if (heard_.count(offer.topic) > 0 || !stream.wants(offer.topic)) continue;
     auto quality = offer.quality;
-    quality.depth = is_cloud ? kDepth : kDepthOfTf;
+    const bool is_path = offer.topic == path_;
+    quality.depth = is_cloud ? kDepth : is_path ? 1 : kDepthOfTf;
     say("hears " + offer.topic + " (" + offer.type + ", " +
         (quality.is_reliable ? "reliable" : "best effort") + ")");
     heard_[offer.topic] = {
         offer.topic, offer.type,
-        std::make_unique<live::Subscription>(network_, offer.topic, offer.type, quality), is_cloud};
+        std::make_unique<live::Subscription>(network_, offer.topic, offer.type, quality), is_cloud,
+        is_path};
   }
   for (auto heard = heard_.begin(); heard != heard_.end();)
     heard = stream.wants(heard->first) ? std::next(heard) : heard_.erase(heard);
@@ -60,7 +65,23 @@ void Topics::take_into(import::ScanStream& stream, double now_s)
 {
   for (const bool is_cloud : {false, true})
     for (auto& [topic, heard] : heard_)
-      if (heard.is_cloud == is_cloud) take_into(stream, heard, now_s);
+      if (heard.is_cloud == is_cloud && !heard.is_path) take_into(stream, heard, now_s);
+}
+
+std::optional<import::StreamPath> Topics::take_path()
+{
+  std::optional<import::StreamPath> path;
+  const auto heard = heard_.find(path_);
+  if (heard == heard_.end()) return path;
+  while (const auto message = heard->second.messages->take()) path = import::path_from(*message);
+  return path;
+}
+
+std::size_t Topics::lost() const
+{
+  std::size_t count = 0;
+  for (const auto& [topic, heard] : heard_) count += heard.messages->lost();
+  return count;
 }
 
 std::string Topics::why_nothing() const

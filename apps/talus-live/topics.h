@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,13 +16,19 @@ namespace talus::app
 class Topics
 {
  public:
-  /** `wanted`: topics with clouds; empty: all. */
-  Topics(live::Participant& network, const std::vector<std::string>& wanted);
+  /** `wanted`: topics with clouds; empty: all. `path`: that of corrected poses; empty: none. */
+  Topics(
+      live::Participant& network, const std::vector<std::string>& wanted, const std::string& path);
 
   /** Subscribes to what is new, and leaves what is of no use. What to tell of it. */
   std::vector<std::string> look(const import::ScanStream& stream);
   /** Gives the stream all that has come, clouds last. */
   void take_into(import::ScanStream& stream, double now_s);
+
+  /** Corrected poses, where they have come: the newest ones. Throws std::runtime_error. */
+  std::optional<import::StreamPath> take_path();
+  /** The messages that the network has lost, as far as it knows. */
+  std::size_t lost() const;
 
   /** The bytes of the largest message so far. */
   std::size_t max_bytes() const { return max_bytes_; }
@@ -33,13 +40,14 @@ class Topics
   {
     std::string topic, type;
     std::unique_ptr<live::Subscription> messages;
-    bool is_cloud = false;
+    bool is_cloud = false, is_path = false;
   };
   bool is_wanted(const live::Offer& offer) const;
   void take_into(import::ScanStream& stream, Heard& heard, double now_s);
 
   live::Participant& network_;
   std::vector<std::string> wanted_;
+  std::string path_;
   std::map<std::string, Heard> heard_;  //!< by topic
   std::vector<live::Offer> offers_;  //!< of the last look
   std::set<std::string> told_;

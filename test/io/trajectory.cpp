@@ -51,6 +51,17 @@ TEST(Trajectory, KeepsTheLastOfEntriesWithTheSameTime)
   EXPECT_EQ(t.entries()[1].T_map_base.x(), 4);
 }
 
+TEST(Trajectory, IsWrittenToTheLastBit)
+{
+  for (int i = 0; i < 1000; ++i)
+  {
+    const CPose3D any(i / 7.0, -i / 3.0, i / 11.0, 0.37 * i, 0.3 * std::sin(i), 0.3 * std::cos(i));
+    const auto read = talus::io::as_in_tum({i / 10.0, any});
+    const auto again = talus::io::as_in_tum(read).T_map_base;
+    EXPECT_TRUE(again.getRotationMatrix() == read.T_map_base.getRotationMatrix()) << i;
+  }
+}
+
 TEST(Trajectory, InterpolatesPositionLinearlyAndRotationOnTheSphere)
 {
   const Trajectory t({{10, pose(0, 0, 1, 0)}, {12, pose(4, -2, 2, 90)}});

@@ -24,6 +24,7 @@ TEST(Network, carries_messages_byte_by_byte_also_large_ones)
     EXPECT_FALSE(hears.take());
   }
   EXPECT_TRUE(network.offers().empty()) << "its own";
+  EXPECT_EQ(hears.lost(), 0U);
 }
 
 TEST(Network, gives_who_comes_later_what_is_kept)

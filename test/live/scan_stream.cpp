@@ -101,6 +101,7 @@ TEST(ScanStream, waits_for_the_slowest_link_of_tf)
   robot.say_tf(1.1, "map", "odom", 10);
   ASSERT_TRUE(robot.next(1.11));
   EXPECT_NEAR(robot.stream.poses().at(kStart_s + 1.0, 0.5)->x(), 11.0, 1e-6);
+  EXPECT_NEAR(robot.stream.take_new_poses().back().T_map_odom.x(), 10.0, 1e-6);
 }
 
 TEST(ScanStream, takes_odometry_where_tf_has_no_poses)

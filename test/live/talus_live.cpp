@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <functional>
 #include <map>
 #include <memory>
 #include <sys/wait.h>
@@ -30,11 +31,21 @@ pid_t start(const std::string& folder, const std::string& command)
   return child;
 }
 
+void wait_until(const std::function<bool()>& is_so)
+{
+  for (int i = 0; i < 1000 && !is_so(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
+void wait_for_words(const std::string& file, const std::string& words)
+{
+  wait_until([&] { return read_bytes(file).find(words) != std::string::npos; });
+}
+
 /** Once it hears signals. */
 int end(pid_t child, int signal, const std::string& said)
 {
-  for (int i = 0; i < 1000 && read_bytes(said).find("joins") == std::string::npos; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  wait_for_words(said, "joins");
   ::kill(child, signal);
   int status = 0;
   ::waitpid(child, &status, 0);
@@ -106,13 +117,13 @@ class Listener
 /** Runs talus-live while a log is replayed; its exit code. */
 int map_live(
     const ScratchDir& dir, const std::string& options, const std::string& replay,
-    int signal = SIGTERM, Listener* listener = nullptr)
+    int signal = SIGTERM, const std::function<void()>& before_end = {})
 {
   const pid_t live =
       start(dir / "", command("talus-live --backend cpu ") + options + " >live.txt 2>&1");
   expect_end(run_in(dir / "", command("talus-replay ") + replay), 0, {"published"});
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  if (listener) listener->listen();
+  if (before_end) before_end();
   return end(live, signal, dir / "live.txt");
 }
 }  // namespace
@@ -132,7 +143,7 @@ TEST(TalusLive, makes_the_map_that_talus_map_makes_of_the_same_log)
   ASSERT_EQ(
       map_live(
           dir, "--record --output live --hz 100 --layers ground_elevation,traversability",
-          "drive.rawlog --rate 5", SIGTERM, &listener),
+          "drive.rawlog --rate 5", SIGTERM, [&] { listener.listen(); }),
       0)
       << read_bytes(dir / "live.txt");
   for (const std::string log : {"drive.rawlog", "live/record.rawlog"})
@@ -159,10 +170,19 @@ TEST(TalusLive, makes_the_map_that_talus_map_makes_of_the_same_log)
   EXPECT_EQ(window.cells, cells_of_pgm(read_bytes(dir / "live/map.pgm"), window.cells_x));
 }
 
-TEST(TalusLive, saves_while_it_maps_and_goes_on_with_a_map)
+TEST(TalusLive, saves_while_it_maps_and_goes_on_with_a_map_and_with_corrected_poses)
 {
-  own_domain();
+  talus::live::Participant network(own_domain(), "talus_test");
+  talus::live::Publication path(network, "/slam/path", "nav_msgs/msg/Path", {true, true, 1});
+  std::vector<std::pair<double, mrpt::poses::CPose3D>> poses;
+  for (int i = 0; i < 15; ++i)
+    poses.emplace_back(kStart_s + 0.1 * i, mrpt::poses::CPose3D(0.08 * i, 0, 0, 0, 0, 0));
   const ScratchDir dir;
+  const auto correct = [&]
+  {
+    path.write(talus::live::path_message({kStart_s, "map"}, poses));
+    wait_for_words(dir / "live.txt", "their poses have moved by");
+  };
   write_log(dir / "drive.rawlog", floor_scans(15), Packing::Gz);
   write_bytes(dir / "drive.tum", straight_tum(15));
   EXPECT_EQ(
@@ -170,12 +190,13 @@ TEST(TalusLive, saves_while_it_maps_and_goes_on_with_a_map)
   ASSERT_TRUE(std::filesystem::exists(dir / "old/site.tif"));
   ASSERT_EQ(
       map_live(
-          dir, "--resume old/site.tif --record --output live",
-          "drive.rawlog --odometry --best-effort", SIGINT),
+          dir, "--resume old/site.tif --record --corrected-path /slam/path --output live",
+          "drive.rawlog --odometry --best-effort", SIGINT, correct),
       0);
   const std::string said = read_bytes(dir / "live.txt");
   EXPECT_NE(said.find("poses are those of topic /odom"), std::string::npos) << said;
   EXPECT_NE(said.find("best effort"), std::string::npos) << said;
+  EXPECT_NE(said.find("15 corrected poses of /slam/path"), std::string::npos) << said;
   const std::string again = "--backend cpu --resume old/site.tif --output map live/record.rawlog";
   expect_end(run_in(dir / "", command("talus-map") + again), 0, {});
   EXPECT_TRUE(read_bytes(dir / "live/site.tif") == read_bytes(dir / "map/site.tif"));

@@ -204,6 +204,7 @@ bool RawlogWriter::wants(PointNotes& notes) const
   return notes.step != impl_->notes.step || notes.least != impl_->notes.least;
 }
 
+void RawlogWriter::flush() { impl_->log.flush(); }
 void RawlogWriter::close() { impl_->log.close(); }
 
 }  // namespace talus::import

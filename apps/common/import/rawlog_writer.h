@@ -40,6 +40,8 @@ class RawlogWriter
   /** Throws std::runtime_error naming the file. */
   void write(const ImportedScan& scan);
 
+  /** From now on a reader finds all that was written. Throws std::runtime_error. */
+  void flush();
   /** Ends the file, and reads it again to see that it is whole. Throws std::runtime_error. */
   void close();
 

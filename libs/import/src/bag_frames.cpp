@@ -183,6 +183,17 @@ bool FrameTree::connects(const std::string& a, const std::string& b) const
   return ways(a, b).has_value();
 }
 
+std::string FrameTree::child_towards(const std::string& parent, const std::string& frame) const
+{
+  auto at = links_.find(frame);
+  for (auto left = links_.size(); at != links_.end() && left > 0; --left)
+  {
+    if (at->second.parent == parent) return at->first;
+    at = links_.find(at->second.parent);
+  }
+  return "";
+}
+
 std::optional<CPose3D> FrameTree::T_along(const Way& way, std::int64_t stamp_ns)
 {
   CPose3D T;

@@ -63,6 +63,8 @@ class FrameTree
    * "robot1/base_link". Empty: none. */
   std::string named(const std::vector<std::string>& names) const;
   bool connects(const std::string& a, const std::string& b) const;
+  /** The frame whose parent is `parent`, on the chain from there to `frame`; empty: none. */
+  std::string child_towards(const std::string& parent, const std::string& frame) const;
 
   /** Nothing where no chain connects them, or one of its links is not known at that time. */
   std::optional<mrpt::poses::CPose3D> T_between(

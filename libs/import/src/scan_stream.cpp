@@ -98,6 +98,21 @@ struct Waiting
 };
 }  // namespace
 
+StreamPath path_from(std::string_view message)
+{
+  StreamPath path{read_header(message).frame, {}};
+  for_each_pose(
+      message,
+      [&](const FrameTransform& pose)
+      {
+        if (!pose.T_parent_child || pose.parent.stamp_ns <= 0) return;
+        const CPose3D T_map_base{mrpt::poses::CPose3DQuat(*pose.T_parent_child)};
+        path.poses.push_back(io::as_in_tum({seconds(pose.parent.stamp_ns), T_map_base}));
+      });
+  return path;
+}
+bool is_path(const std::string& type) { return role_of({"", type, "cdr"}) == BagRole::Path; }
+
 struct ScanStream::Impl
 {
   Impl(const SourceOptions& o, double wait_s) : options(o), max_wait_s(wait_s) {}
@@ -112,7 +127,8 @@ struct ScanStream::Impl
   bool is_of_this_time(std::int64_t stamp_ns, double now_s);
   void choose_frames(double now_s);
   void add_poses(double now_s);
-  void add_pose(std::int64_t stamp_ns, const CPose3D& T_map_base);
+  void add_pose(
+      std::int64_t stamp_ns, const CPose3D& T_map_base, const CPose3D& T_map_odom = CPose3D());
   std::optional<CPose3D> T_base_sensor(const Waiting& cloud) const;
   bool has_poses_until(const Waiting& cloud, double last_s) const;
   const io::Trajectory& recent_poses() const;
@@ -135,7 +151,7 @@ struct ScanStream::Impl
   std::size_t other_times = 0;  //!< transforms in a row whose time is another
   std::deque<io::Trajectory::Entry> recent;
   mutable std::optional<io::Trajectory> trajectory;  //!< of these
-  std::vector<io::Trajectory::Entry> new_poses;
+  std::vector<StreamPose> new_poses;
   StampOffsets pose_offsets;
   std::map<std::string, Sensor> sensors;
   std::deque<Waiting> waiting;
@@ -160,7 +176,7 @@ ScanStream::~ScanStream() = default;
 bool ScanStream::reads(const std::string& topic, const std::string& type)
 {
   const auto role = role_of({topic, type, "cdr"});
-  return role != BagRole::None && role != BagRole::Pose;
+  return role != BagRole::None && role != BagRole::Pose && role != BagRole::Path;
 }
 bool ScanStream::is_cloud(const std::string& type)
 {
@@ -290,21 +306,25 @@ void ScanStream::Impl::add_poses(double now_s)
   choose_frames(now_s);
   if (map.empty() || !odometry.empty()) return;
   const auto until = tree.known_until(map, base);
+  const auto odom = tree.child_towards(map, base);
   for (const auto stamp_ns : tree.times_between(map, base))
     if (until && stamp_ns > last_pose_ns && stamp_ns <= *until)
       if (const auto T_map_base = tree.T_between(map, base, stamp_ns))
-        add_pose(stamp_ns, *T_map_base);
+        add_pose(
+            stamp_ns, *T_map_base,
+            odom == base ? CPose3D() : tree.T_between(map, odom, stamp_ns).value_or(CPose3D()));
   tree.forget_before(newest_ns - kKept_ns);
 }
 
-void ScanStream::Impl::add_pose(std::int64_t stamp_ns, const CPose3D& T_map_base)
+void ScanStream::Impl::add_pose(
+    std::int64_t stamp_ns, const CPose3D& T_map_base, const CPose3D& T_map_odom)
 {
   constexpr std::int64_t kStep_ns = 5000000;  //!< as histories of TF have it
   if (last_pose_ns > 0 && stamp_ns < last_pose_ns + kStep_ns) return;
   last_pose_ns = stamp_ns;
   const auto entry = io::as_in_tum({seconds(stamp_ns), T_map_base});
   recent.push_back(entry);
-  new_poses.push_back(entry);
+  new_poses.push_back({entry, T_map_odom});
   while (recent.front().time_s < entry.time_s - seconds(kKept_ns)) recent.pop_front();
   trajectory.reset();
 }
@@ -452,10 +472,7 @@ bool ScanStream::next(ImportedScan& scan, double now_s)
 
 void ScanStream::end() { impl_->has_ended = true; }
 const io::Trajectory& ScanStream::poses() const { return impl_->recent_poses(); }
-std::vector<io::Trajectory::Entry> ScanStream::take_new_poses()
-{
-  return std::exchange(impl_->new_poses, {});
-}
+std::vector<StreamPose> ScanStream::take_new_poses() { return std::exchange(impl_->new_poses, {}); }
 const std::string& ScanStream::map_frame() const { return impl_->map; }
 StreamCounts ScanStream::counts() const { return impl_->counts; }
 std::vector<std::string> ScanStream::take_news() { return std::exchange(impl_->news, {}); }

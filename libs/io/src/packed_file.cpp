@@ -71,6 +71,7 @@ void PackedFile::refill()
 {
   if (rest_.size > 0) std::memmove(packed_.data(), rest_.begin, rest_.size);
   errno = 0;
+  file_.clear();  // a file may have grown
   file_.read(packed_.data() + rest_.size, static_cast<std::streamsize>(kChunk - rest_.size));
   if (file_.bad())
     throw std::runtime_error(
@@ -97,7 +98,7 @@ std::size_t PackedFile::unpack(Room room)
   const std::uint64_t before_bytes = fetched_bytes_ - rest_.size;
   while (room.size == all)
   {
-    if (rest_.size < kLongestBegin && file_) refill();
+    if (rest_.size < kLongestBegin) refill();
     const bool is_between = unpacker_->may_end();
     if (rest_.size == 0 && is_between) return 0;
     const std::size_t before = rest_.size;
@@ -166,9 +167,20 @@ void require_complete_packed(const std::string& path, const std::string& name)
 PackedLog::PackedLog(std::string path, const std::string& name)
     : path_(std::move(path)), name_(name.empty() ? path_ : name)
 {
-  if (!file_.open(path_, 1))
+  open(mrpt::io::OpenMode::TRUNCATE);
+}
+
+void PackedLog::open(mrpt::io::OpenMode mode)
+{
+  if (!file_.open(path_, 1, std::nullopt, mode))
     throw std::runtime_error(
         name_ + ": cannot be written; is the disk full? Free some space there");
+}
+
+void PackedLog::flush()
+{
+  file_.close();
+  open(mrpt::io::OpenMode::APPEND);
 }
 
 void PackedLog::write(const mrpt::serialization::CSerializable& object)

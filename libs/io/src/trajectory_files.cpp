@@ -92,6 +92,46 @@ std::array<double, 8> parse_numbers(
   return v;
 }
 
+using Quaternion = mrpt::math::CQuaternionDouble;
+
+double norm_of(const Quaternion& q)
+{
+  return std::sqrt(q.x() * q.x() + q.y() * q.y() + q.z() * q.z() + q.r() * q.r());
+}
+
+/** `q`: of any length. */
+CPose3D pose_of(const Quaternion& q, double x, double y, double z)
+{
+  const double norm = norm_of(q);
+  return CPose3D(Quaternion(q.r() / norm, q.x() / norm, q.y() / norm, q.z() / norm), x, y, z);
+}
+
+/** The number so many doubles beside it. */
+double beside(double number, int steps)
+{
+  for (; steps != 0; steps -= steps > 0 ? 1 : -1)
+    number = std::nextafter(number, steps > 0 ? HUGE_VAL : -HUGE_VAL);
+  return number;
+}
+
+/** That of which pose_of() makes this pose to the last bit: that of MRPT, or one close beside. */
+Quaternion quaternion_of(const CPose3D& pose)
+{
+  constexpr int kMaxSteps = 2;
+  const Quaternion q = mrpt::poses::CPose3DQuat(pose).quat();
+  for (int max = 0; max <= kMaxSteps; ++max)
+    for (int w = -max; w <= max; ++w)
+      for (int x = -max; x <= max; ++x)
+        for (int y = -max; y <= max; ++y)
+          for (int z = -max; z <= max; ++z)
+          {
+            const Quaternion near(
+                beside(q.r(), w), beside(q.x(), x), beside(q.y(), y), beside(q.z(), z));
+            if (pose_of(near, 0, 0, 0).getRotationMatrix() == pose.getRotationMatrix()) return near;
+          }
+  return q;
+}
+
 Trajectory::Entry parse_line(
     const std::vector<std::string_view>& words, const std::string& path, std::size_t line)
 {
@@ -102,14 +142,14 @@ Trajectory::Entry parse_line(
         path, line, "time stamp " + quoted(words[0]) + " is far too large for seconds",
         "Convert milli-, micro- or nanoseconds to seconds");
 
-  const double norm = std::sqrt(v[4] * v[4] + v[5] * v[5] + v[6] * v[6] + v[7] * v[7]);
+  const Quaternion q(v[7], v[4], v[5], v[6]);
+  const double norm = norm_of(q);
   constexpr double kNormTolerance = 0.05;  // two digits a number are enough to stay inside
   if (std::abs(norm - 1) > kNormTolerance)
     fail_at_line(
         path, line, "quaternion has norm " + std::to_string(norm) + " instead of 1",
         std::string("Check the columns: ") + kTumColumns);
-  const mrpt::math::CQuaternionDouble q(v[7] / norm, v[4] / norm, v[5] / norm, v[6] / norm);
-  return {v[0], CPose3D(q, v[1], v[2], v[3])};
+  return {v[0], pose_of(q, v[1], v[2], v[3])};
 }
 
 struct TumLine
@@ -200,8 +240,8 @@ std::vector<Trajectory::Entry> load_tum(const std::string& path)
 
 std::string tum_line(const Trajectory::Entry& entry)
 {
-  const mrpt::poses::CPose3DQuat p(entry.T_map_base);
-  const auto& q = p.quat();
+  const auto& p = entry.T_map_base;
+  const Quaternion q = quaternion_of(p);
   std::string text =
       exact_number_text(mrpt::Clock::toDouble(mrpt::Clock::fromDouble(entry.time_s)));
   for (const double number : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.r()})

@@ -388,6 +388,13 @@ int Subscription::publishers() const
   return static_cast<int>(status.current_count);
 }
 
+std::size_t Subscription::lost() const
+{
+  dds_sample_lost_status_t status{};
+  dds_get_sample_lost_status(impl_->reader, &status);
+  return status.total_count;
+}
+
 struct Publication::Impl
 {
   Impl(

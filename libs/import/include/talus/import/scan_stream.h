@@ -21,6 +21,26 @@ struct StreamCounts
   std::size_t refused = 0;  //!< left out: damaged, or not readable as a scan
 };
 
+/** Of the base in the map. */
+struct StreamPose : io::Trajectory::Entry
+{
+  /** Where the odometry is, which drifts and does not jump: the identity where TF has no frame
+   * between map and base. */
+  mrpt::poses::CPose3D T_map_odom;
+};
+
+/** A nav_msgs/Path. */
+struct StreamPath
+{
+  std::string frame;  //!< of its poses
+  std::vector<io::Trajectory::Entry>
+      poses;  //!< those with a time, as they are read from a TUM file
+};
+/** Throws std::runtime_error that says how it is damaged. */
+StreamPath path_from(std::string_view message);
+/** "nav_msgs/msg/Path". */
+bool is_path(const std::string& type);
+
 /** Scans of a robot that is running: messages of ROS 2 go in as they come, and scans come out once
  * the poses of their time are known. Clouds, frames and times are read as those of a bag, but
  * nothing is known ahead: a sensor whose mounting is not told gives no scan. */
@@ -53,7 +73,7 @@ class ScanStream
    * of a TUM file with what take_new_poses() gives do. */
   const io::Trajectory& poses() const;
   /** Those that came since the last call, as they are read from a TUM file. */
-  std::vector<io::Trajectory::Entry> take_new_poses();
+  std::vector<StreamPose> take_new_poses();
 
   /** The frame of the poses; empty: not known yet. */
   const std::string& map_frame() const;

@@ -23,10 +23,14 @@ class PackedLog
 
   /** Adds an observation, an action or a map, after those before. */
   void write(const mrpt::serialization::CSerializable& object);
+  /** Ends a part of the file: a reader finds all that was written until now. */
+  void flush();
   /** Ends the file, and reads it again to see that it is whole. */
   void close();
 
  private:
+  void open(mrpt::io::OpenMode mode);
+
   std::string path_, name_;
   mrpt::io::CFileGZOutputStream file_;
 };

@@ -23,7 +23,8 @@ class RawlogReader
   RawlogReader(const RawlogReader&) = delete;
   RawlogReader& operator=(const RawlogReader&) = delete;
 
-  /** The next observation, or nullptr at the end of the log; those of a sensory frame one by one.
+  /** The next observation, or nullptr at the end of the log, unless it grows by whole parts as of
+   * PackedLog::flush(); those of a sensory frame one by one.
    * Externally stored points and depth images are loaded. Throws std::runtime_error naming the file
    * and the byte offset (after decompression) of the object that cannot be read, or saying that gz
    * or zstd data is cut short or damaged: what was read of a log is sure at its end only. */

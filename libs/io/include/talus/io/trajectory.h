@@ -49,7 +49,7 @@ class Trajectory
 
 /** A pose as a line of TUM text, with all digits; its time as logs keep it, in steps of 100 ns. */
 std::string tum_line(const Trajectory::Entry& entry);
-/** A pose as it is once it was written by tum_line() and read again. */
+/** A pose as it is once it was written by tum_line() and read again; then it stays as it is. */
 Trajectory::Entry as_in_tum(const Trajectory::Entry& entry);
 
 }  // namespace talus::io

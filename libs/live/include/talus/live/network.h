@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -84,6 +85,8 @@ class Subscription
   std::optional<std::string_view> take();
   /** How many publish the topic now. */
   int publishers() const;
+  /** How many messages the network has lost so far, as far as it knows. */
+  std::size_t lost() const;
 
  private:
   struct Impl;

@@ -1,0 +1,77 @@
+#pragma once
+#include "jump_finder.h"
+#include "remake.h"
+#include "watched_trajectory.h"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace talus::app
+{
+/** Records a drive, and makes its map again where better poses become known. */
+class Remaker
+{
+ public:
+  /** `folder`: of all that is written. Throws std::runtime_error naming the file, as all do. */
+  Remaker(const Options& options, const Settings& settings, const std::string& folder);
+
+  /** Before the scans that they belong to. */
+  void add(const std::vector<import::StreamPose>& poses, double now_s);
+  void add(const import::ImportedScan& scan) { record_.add(scan); }
+  /** Of the scans that come now. */
+  const io::Trajectory& poses();
+  /** Corrected poses that were published. */
+  void take_path(const import::StreamPath& path, const std::string& map_frame, double now_s);
+
+  /** Goes on with what is to be done; the map that is right from now on, where one is made. */
+  std::unique_ptr<DriveMap> work(double now_s);
+  /** Whether something is to be done. */
+  bool is_at_work() const { return remake_ || due_s_; }
+  bool is_making() const { return remake_ != nullptr; }
+  /** Without a rest. */
+  void hurry()
+  {
+    if (due_s_) due_s_ = 0;
+    took_s_ = 0;
+  }
+  /** Of all poses of the map, see add_to_history(). */
+  const Poses& history() const { return history_; }
+  /** What a person should know since the last call, and what went wrong. */
+  std::vector<std::string> take_news() { return std::exchange(news_, {}); }
+  std::vector<std::string> take_errors() { return std::exchange(errors_, {}); }
+
+  /** Leaves undone what is to be done, and ends the record. */
+  void close();
+
+ private:
+  void ask_for(const std::string& source, double from_s);
+  bool is_news(const Poses& given) const;
+  void look_at_file(double now_s);
+  void begin(double now_s);
+  void go_on();
+  std::unique_ptr<DriveMap> end(double now_s);
+
+  const Options& options_;
+  const Settings& settings_;
+  std::string folder_;
+  Record record_;
+  JumpFinder jump_finder_;
+  std::filesystem::file_time_type resumed_time_;  //!< when that was written
+  std::optional<WatchedTrajectory> file_;
+  Correction known_;
+  std::string source_;  //!< of the newest correction
+  std::optional<double> due_s_;  //!< from when on it is to be followed
+  double looked_s_ = 0, began_s_ = 0, took_s_ = 0;
+  mrpt::poses::CPose3D T_after_;  //!< brings poses that come to where they should be
+  Poses recent_, history_;
+  std::optional<io::Trajectory> trajectory_;  //!< of recent_
+  std::unique_ptr<Remake> remake_;
+  Remake::Added added_;  //!< for it
+  std::vector<std::string> news_, errors_;
+};
+
+}  // namespace talus::app
