@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdio>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -31,17 +30,9 @@ TEST(Mounting, is_read_as_it_was_written)
 
 TEST(Mounting, says_what_is_wrong_and_in_which_order_numbers_are_needed)
 {
-  try
-  {
-    mounting_from_text("0,0,0.6,0,400,0");
-    FAIL() << "400 degrees are no angle";
-  }
-  catch (const std::invalid_argument& wrong)
-  {
-    const std::string text = wrong.what();
-    EXPECT_SAYS(text, "'400' in '0,0,0.6,0,400,0'");
-    EXPECT_SAYS(text, "X,Y,Z,YAW,PITCH,ROLL [m, degrees]");
-  }
+  talus::test::expect_error(
+      [] { mounting_from_text("0,0,0.6,0,400,0"); },
+      {"'400' in '0,0,0.6,0,400,0'", "X,Y,Z,YAW,PITCH,ROLL [m, degrees]"});
 }
 
 namespace
@@ -113,20 +104,11 @@ namespace
 std::string completed(
     const std::string& command, const std::string& before, const std::string& word)
 {
-  const std::string script =
-      "source '" TALUS_SOURCE_DIR "/apps/common/completion.bash'; _talus '" TALUS_BIN "/" +
-      command + "' '" + word + "' '" + before + "'; echo \"${COMPREPLY[*]}\"";
-  FILE* pipe = ::popen(
-      ("bash -c '" +
-       [&]
-       {
-         std::string quoted;
-         for (const char c : script) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-         return quoted;
-       }() +
-       "'")
-          .c_str(),
-      "r");
+  const std::string script = "bash <<'END'\nsource '" TALUS_SOURCE_DIR
+                             "/apps/common/completion.bash'\n_talus '" TALUS_BIN "/" +
+                             command + "' '" + word + "' '" + before +
+                             "'\necho \"${COMPREPLY[*]}\"\nEND\n";
+  FILE* pipe = ::popen(script.c_str(), "r");
   std::string text;
   std::array<char, 4096> some{};
   while (std::fgets(some.data(), some.size(), pipe)) text += some.data();

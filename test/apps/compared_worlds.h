@@ -8,7 +8,10 @@ using Outcome = talus::test::CommandEnd;
 class ComparedWorlds : public talus::test::CommandTest
 {
  protected:
-  ComparedWorlds() { write_world("small", "[3, 1]", "[0.5, 0.5, 0.5]"); }
+  ComparedWorlds() : CommandTest(TALUS_COMPARE_EXE)
+  {
+    write_world("small", "[3, 1]", "[0.5, 0.5, 0.5]");
+  }
 
   /** A floor with one box: NAME.yaml, where NAME may have folders before it. */
   void write_world(const std::string& name, const char* at_m, const char* size_m) const
@@ -24,14 +27,6 @@ class ComparedWorlds : public talus::test::CommandTest
     write_world(name, "[1.7, 0]", "[0.2, 5, 2]");
   }
 
-  Outcome run(const std::string& arguments) const
-  {
-    return shell(TALUS_COMPARE_EXE " " + arguments);
-  }
-  void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
-  {
-    talus::test::expect_end(run(arguments), code, words);
-  }
   nlohmann::json comparison() const { return json("out/comparison.json"); }
 
   /** log/small.rawlog, of 11 frames. */

@@ -9,6 +9,7 @@
 #include "apps/common/child_process.h"
 #include "apps/common/crash_context.h"
 #include "apps/common/printable.h"
+#include "log_files.h"
 #include "sanitizer.h"
 
 using namespace talus::app;
@@ -92,15 +93,8 @@ TEST(CrashContext, IsBlamedForWantOfMemory)
 {
   TALUS_SKIP_UNDER_SANITIZER("it ends the program where memory ends");
   const auto take_all = [] { return std::string(std::size_t{1} << 45, 'x').size(); };
-  try
-  {
-    guarded("b.yaml", "Mend it", take_all);
-    FAIL() << "so much memory there is not";
-  }
-  catch (const std::runtime_error& e)
-  {
-    EXPECT_EQ(std::string(e.what()).rfind("b.yaml: needs more memory", 0), 0U) << e.what();
-  }
+  talus::test::expect_error(
+      [&] { guarded("b.yaml", "Mend it", take_all); }, {"b.yaml: needs more memory"});
   EXPECT_EQ(
       failure_text(std::bad_alloc(), "b.yaml", "Mend it"),
       "b.yaml: needs more memory than there is. Mend it");

@@ -1,6 +1,5 @@
 // The command talus-calibrate from end to end: its files, messages and exit codes.
 #include <gtest/gtest.h>
-#include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/poses/CPose3D.h>
 #include <talus/io/rawlog_reader.h>
@@ -8,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
 #include "command_run.h"
@@ -21,13 +19,10 @@ namespace
 class TalusCalibrate : public talus::test::CommandTest
 {
  protected:
-  CommandEnd calibrate(const std::string& arguments) const
-  {
-    return shell(TALUS_CALIBRATE_EXE " " + arguments);
-  }
+  TalusCalibrate() : CommandTest(TALUS_CALIBRATE_EXE) {}
   void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
   {
-    talus::test::expect_end(calibrate(arguments), code, words);
+    CommandTest::fails(arguments, code, words);
     EXPECT_FALSE(exists("out"));
   }
   /** drive.rawlog and drive.tum. */
@@ -66,8 +61,7 @@ TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
 {
   simulate(kWaves, kWay, kFewScans + "--mounting-error 0,0,0.05,0,-3,2 --clock-error 0.05");
   fs::create_symlink(".", path("m\xfcll"));  // a name that is not UTF-8 costs no results
-  const auto done = calibrate("m\xfcll/" + kNear);
-  ASSERT_EQ(done.code, 0) << done.text;
+  const auto done = runs("m\xfcll/" + kNear);
   EXPECT_TRUE(done.says("held-out ground thickness")) << done.text;
   const auto json = this->json("out/calibration.json");
   expect_true_mounting(json);
@@ -89,8 +83,7 @@ TEST_F(TalusCalibrate, WritesWhatAStockToolPutsRight)
 TEST_F(TalusCalibrate, FindsASensorThatIsMountedUpsideDown)
 {
   simulate(kWaves, kWay, kFewScans + "--mounting-error 0,0,0.05,0,-3,178");
-  const auto done = calibrate(kNear);
-  ASSERT_EQ(done.code, 0) << done.text;
+  const auto done = runs(kNear);
   EXPECT_TRUE(done.says("mounted upside down")) << done.text;
   const auto json = this->json("out/calibration.json");
   expect_true_mounting(json);
@@ -110,8 +103,7 @@ TEST_F(TalusCalibrate, RefusesASensorOnItsSideAndOneWhoseYawIsHalfATurnWrong)
 TEST_F(TalusCalibrate, RecommendsNoFitThatTheHeldOutFramesHardlyLike)
 {
   simulate(kWaves, kWay, kFewScans + "--mounting-error 0,0,0,20,0,0");
-  const auto done = calibrate(kNear);
-  ASSERT_EQ(done.code, 0) << done.text;
+  const auto done = runs(kNear);
   EXPECT_TRUE(done.says("the fit is not recommended")) << done.text;
   EXPECT_FALSE(done.says("to paste")) << done.text;
   EXPECT_EQ(nlohmann::json::parse(text("out/calibration.json"))["recommended"], false);
@@ -138,22 +130,11 @@ TEST_F(TalusCalibrate, WritesNoFitThatMakesTheHeldOutFramesWorse)
 TEST_F(TalusCalibrate, StatesNoCertaintyOfANoiseThatIsNotTold)
 {
   simulate(kWaves, kWay, kFewScans, "{noise_m: 0, noise_per_m: 0}");
-  const auto done = calibrate(kNear);
-  ASSERT_EQ(done.code, 0) << done.text;
+  const auto done = runs(kNear);
   const auto json = this->json("out/calibration.json");
   ASSERT_FALSE(json["noise"]["c_beam_m"]["told_from_zero"]) << done.text;
   const std::string ini = text("out/calibration.ini");
   EXPECT_SAYS(ini, "c_beam_m = 0.0001   # not told from zero");
-}
-
-TEST_F(TalusCalibrate, TellsOfADiskThatIsFullByTheNameOfTheFolderAndWritesNothing)
-{
-  simulate(kWaves, kWay, kFewScans + "--frames 12");
-  const auto full =
-      shell("ulimit -f 2; " TALUS_CALIBRATE_EXE " drive.rawlog --max-range 4 --quiet --output out");
-  EXPECT_EQ(full.code, 1);
-  EXPECT_EQ(full.text.rfind("talus-calibrate: out/calibration.", 0), 0U) << full.text;
-  EXPECT_FALSE(fs::exists(path("out")));
 }
 
 TEST_F(TalusCalibrate, SaysWhatIsMissingAndWritesNothing)
@@ -168,24 +149,6 @@ TEST_F(TalusCalibrate, SaysWhatIsMissingAndWritesNothing)
   fails(
       "calibration.json --trajectory drive.tum --output .", 1,
       {"would be overwritten, but it is an input"});
-}
-
-TEST_F(TalusCalibrate, SurvivesADamagedLogThatCrashesMrpt)
-{
-  auto obs = talus::test::observation_at<mrpt::obs::CObservation3DRangeScan>(1700000000.0);
-  obs->hasRangeImage = true;
-  obs->rangeImage_setSize(7, 11);
-  talus::test::write_log(path("depth.rawlog"), {obs}, talus::test::Packing::Plain);
-  std::string bytes = text("depth.rawlog");
-  const char size[] = {7, 0, 0, 0, 11, 0, 0, 0};
-  const auto at = bytes.find(std::string(size, sizeof size));
-  ASSERT_NE(at, std::string::npos);
-  bytes[at + 3] = bytes[at + 7] = 1;  // larger than any memory, which MRPT does not check
-  talus::test::write_bytes(path("depth.rawlog"), bytes);
-  talus::test::write_bytes(
-      path("depth.tum"), "1700000000 0 0 0 0 0 0 1\n1700000001 1 0 0 0 0 0 1\n");
-  EXPECT_EQ(calibrate("depth.rawlog --output out").code, 1);
-  EXPECT_FALSE(fs::exists(path("out")));
 }
 
 TEST_F(TalusCalibrate, TellsWrongUseAndWrongFiles)

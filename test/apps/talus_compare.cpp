@@ -1,6 +1,5 @@
 // The command talus-compare from end to end: its files, messages and exit codes.
 #include <algorithm>
-#include <csignal>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
@@ -14,8 +13,7 @@ using TalusCompare = ComparedWorlds;
 
 TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
 {
-  const Outcome o = run("small.yaml --output out");
-  ASSERT_EQ(o.code, 0) << o.text;
+  const Outcome o = runs("small.yaml --output out");
   EXPECT_SAYS(o.text, "octomap");
   EXPECT_SAYS(o.text, "measured_ground_flat_rmse_m");
 
@@ -45,8 +43,7 @@ TEST_F(TalusCompare, ScoresAWorldIntoTablesJsonAndPictures)
 TEST_F(TalusCompare, SaysOfSeveralWorldsHowManyFailAndWhichIsTheWorst)
 {
   write_world_with_wall("wall");
-  const Outcome o = run("small.yaml wall.yaml --methods talus --output out");
-  ASSERT_EQ(o.code, 0) << o.text;
+  const Outcome o = runs("small.yaml wall.yaml --methods talus --output out");
   int judged = 0, fail = 0, not_seen = 0;
   double worst = 2;
   const auto json = comparison();
@@ -80,8 +77,7 @@ TEST_F(TalusCompare, ShowsInEachColumnOfTheFillsWhatItsHeadingSays)
       << "ground: [roughness: {amplitude_m: 0.05, wavelength_m: 0.6, seed: 1}]\n"
          "objects: [box: {at_m: [3, 1], size_m: [0.5, 0.5, 0.5]}]\n"
          "robot: {path_m: [[0, 0], [1, 0]]}\n";
-  const Outcome o = run("rough.yaml --methods talus --output out");
-  ASSERT_EQ(o.code, 0) << o.text;
+  runs("rough.yaml --methods talus --output out");
   const std::string page = text("out/tables.md");
   const auto cells_of = [&](std::size_t from)
   {
@@ -113,9 +109,8 @@ TEST_F(TalusCompare, GivesTheSameFiguresForTheLogOfAWorldAsForTheWorld)
 {
   write_small_log();
   const std::string methods = " --methods talus --output ";
-  ASSERT_EQ(run("small.yaml" + methods + "a").code, 0);
-  const Outcome b = run("log/small.rawlog --world small.yaml" + methods + "b");
-  ASSERT_EQ(b.code, 0) << b.text;
+  runs("small.yaml" + methods + "a");
+  const Outcome b = runs("log/small.rawlog --world small.yaml" + methods + "b");
   const auto figure = [&](const std::string& folder, const std::string& name) {
     return json(folder + "/comparison.json")["worlds"][0]["methods"]["talus"][name].get<double>();
   };
@@ -150,16 +145,22 @@ TEST_F(TalusCompare, LeavesOutAScanWhosePoseIsNowhere)
   EXPECT_EQ(far_off.text, "");
 }
 
-TEST_F(TalusCompare, HoldsPointsOutOfALogWithoutTruth)
+TEST_F(TalusCompare, HoldsPointsOutOfALogWithoutTruthAndSaysOnlyWhatThereIs)
 {
   write_small_log();
-  const Outcome o = run("log/small.rawlog --methods talus --beams 16 --output out");
-  ASSERT_EQ(o.code, 0) << o.text;
+  const Outcome o = runs("log/small.rawlog --methods talus --beams 16 --output out");
   const auto json = comparison();
   EXPECT_GT(json["held_out"][0]["fills"]["bgk"]["all_n"], 100);
   EXPECT_LT(json["held_out"][0]["fills"]["talus"]["all_median_m"], 0.03);
   EXPECT_GT(json["held_out"][0]["heights"]["measured"]["all"]["n"], 100);
   EXPECT_FALSE(cv::imread(path("out/calibration_of_heights.png")).empty());
+  EXPECT_SAYS(o.err, "talus-compare: small: 1 method");
+  for (const char* absent : {"budget", "hang pass", "precision", "mover"})
+  {
+    EXPECT_SAYS_NOT(o.text, absent);
+    EXPECT_SAYS_NOT(text("out/tables.md"), absent);
+  }
+  for (const char* there : {"known %", "unjudged"}) EXPECT_SAYS(o.text, there);
 }
 
 /** Labels of talus-map as those of people would be: its ground is a road, all else is something. */
@@ -258,9 +259,7 @@ TEST_F(TalusCompareLabels, AreForOneLogAndForTalus)
        {log_ + " --methods octomap", log_ + " --methods talus --world small.yaml",
         log_ + " " + log_ + " --methods talus", std::string("small.yaml --methods talus")})
   {
-    const Outcome o = run(rest + " --labels labels --output out");
-    EXPECT_EQ(o.code, 2) << rest;
-    EXPECT_SAYS(o.text, "--labels");
+    fails(rest + " --labels labels --output out", 2, {"--labels"});
   }
 }
 
@@ -270,8 +269,7 @@ TEST_F(TalusCompare, TakesSoManyFramesOfALogAsOfAWorld)
   const std::string rest = " --methods talus --evaluate 1 --frames 4 --output out";
   for (const char* input : {"small.yaml", "log/small.rawlog"})
   {
-    const Outcome o = run(path(input) + rest);
-    ASSERT_EQ(o.code, 0) << o.text;
+    runs(path(input) + rest);
     EXPECT_EQ(comparison()["worlds"][0]["frames"], 4) << input;
   }
 }
@@ -282,9 +280,7 @@ TEST_F(TalusCompare, RefusesAnOptionThatWouldDoNothing)
   const std::string world = "small.yaml", log = "log/small.rawlog";
   const auto refused = [&](const std::string& inputs, const std::string& option)
   {
-    const Outcome o = run(inputs + " " + option + " --output out");
-    EXPECT_EQ(o.code, 2) << o.text;
-    EXPECT_SAYS(o.text, option.substr(0, option.find(' ')));
+    fails(inputs + " " + option + " --output out", 2, {option.substr(0, option.find(' '))});
     EXPECT_FALSE(exists("out")) << option;
   };
   for (const char* option :
@@ -298,21 +294,6 @@ TEST_F(TalusCompare, RefusesAnOptionThatWouldDoNothing)
   refused(log + " --world " + world, "--truth t.tif");
 }
 
-TEST_F(TalusCompare, SaysOfALogWithoutTruthOnlyWhatThereIs)
-{
-  write_small_log();
-  const Outcome o = run("log/small.rawlog --methods talus --evaluate 1 --frames 3 --output out");
-  ASSERT_EQ(o.code, 0) << o.text;
-  EXPECT_EQ(o.text.rfind("talus-compare: small: 1 method\n", 0), 0U) << o.text;
-  for (const char* absent : {"budget", "hang pass", "precision", "mover"})
-  {
-    EXPECT_SAYS_NOT(o.text, absent);
-    EXPECT_SAYS_NOT(text("out/tables.md"), absent);
-  }
-  EXPECT_SAYS(o.text, "known %");
-  EXPECT_SAYS(o.text, "unjudged");
-}
-
 TEST_F(TalusCompare, WritesAllFilesOrNoneAndNoneOverAnInput)
 {
   write("fills.csv.yaml", text("small.yaml"));
@@ -324,33 +305,6 @@ TEST_F(TalusCompare, WritesAllFilesOrNoneAndNoneOverAnInput)
   fails("small.yaml --methods talus --output out", 1, {"maps.png"});
   EXPECT_FALSE(exists("out/methods.csv"));
   EXPECT_EQ(hidden("out"), 0);
-}
-
-TEST_F(TalusCompare, LeavesNothingBehindWhenItIsStopped)
-{
-  std::ofstream(path("long.yaml")) << "ground: [plane: {}]\n"
-                                      "robot: {path_m: [[0, 0]], duration_s: 9000}\n";
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
-  {
-    const pid_t command = ::fork();
-    if (command == 0)
-    {
-      if (::chdir(path("").c_str()) != 0 || !std::freopen("log.txt", "w", stderr)) ::_exit(99);
-      ::execl(TALUS_COMPARE_EXE, TALUS_COMPARE_EXE, "long.yaml", "--output", "out", nullptr);
-      ::_exit(99);
-    }
-    // Stopped once its hidden folder is there.
-    const auto begun = [&] { return exists("out") && hidden("out") > 0; };
-    for (int i = 0; i < 3000 && !begun(); ++i) ::usleep(10000);
-    EXPECT_EQ(hidden("out"), 1);
-    ::kill(command, signal);
-    int status = 0;
-    ::waitpid(command, &status, 0);
-    EXPECT_EQ(WEXITSTATUS(status), 128 + signal) << text("log.txt");
-    EXPECT_SAYS(text("log.txt"), "nothing was written");
-    EXPECT_FALSE(exists("out"));
-    EXPECT_EQ(hidden(), 0);
-  }
 }
 
 TEST_F(TalusCompare, NamesTheParameterTheConfigurationOrTheOptionThatIsWrong)

@@ -51,15 +51,6 @@ TEST_F(TalusCompareRules, WithoutItsRulesTheMapIsAnotherOneAndTheTablesNameThem)
   EXPECT_SAYS(text("out/tables.md"), words);
 }
 
-TEST_F(TalusCompareRules, AlsoSaysSoWhereTheEnvironmentNamesThem)
-{
-  const std::string rules = rules_with_switch(), last = rules.substr(rules.rfind(',') + 1);
-  const Outcome o = run("TALUS_WITHOUT_RULES=" + last + " " TALUS_COMPARE_SWITCHED_EXE, "");
-  ASSERT_EQ(o.code, 0) << o.text;
-  EXPECT_EQ(comparison()["without_rules"], nlohmann::json::parse("[" + last + "]"));
-  EXPECT_SAYS(o.text, "Without rule " + last + ".");
-}
-
 TEST_F(TalusCompareRules, RefusesWhatIsNoRuleOrOfNoUse)
 {
   for (const char* wrong : {"--without x", "--without 99", "--without -1"})

@@ -25,15 +25,9 @@ namespace
 class TalusExport : public CommandTest
 {
  protected:
-  TalusExport() { io::write_geotiff(dir_ / "site.tif", small_terrain()); }
-  CommandEnd run(const std::string& arguments) const
+  TalusExport() : CommandTest(TALUS_EXPORT_EXE)
   {
-    return shell(TALUS_EXPORT_EXE " " + arguments);
-  }
-  void runs(const std::string& arguments) const { done(TALUS_EXPORT_EXE " " + arguments); }
-  void fails(const std::string& arguments, int code, const std::vector<std::string>& words) const
-  {
-    expect_end(run(arguments), code, words);
+    io::write_geotiff(dir_ / "site.tif", small_terrain());
   }
   bool has(const std::string& program) const { return shell("command -v " + program).code == 0; }
 };
@@ -165,9 +159,9 @@ TEST_F(TalusExport, replaces_no_input_and_no_file_of_its_own)
 TEST_F(TalusExport, on_a_full_disk_the_good_files_of_before_stay)
 {
   io::LayerStack map = small_terrain();
-  map.cells_x = map.cells_y = 600;
-  for (auto& layer : map.layers) layer.assign(360'000, 1.0F);
-  for (std::uint32_t i = 0; i < 360'000; ++i)
+  map.cells_x = map.cells_y = 320;
+  for (auto& layer : map.layers) layer.assign(102'400, 1.0F);
+  for (std::uint32_t i = 0; i < 102'400; ++i)
     map.layers[0][i] = map.layers[1][i] = static_cast<float>(i * i * 2654435761U >> 16 & 1U);
   std::filesystem::create_directory(dir_ / "noise");
   io::write_geotiff(dir_ / "noise/site.tif", map);
@@ -177,8 +171,7 @@ TEST_F(TalusExport, on_a_full_disk_the_good_files_of_before_stay)
     std::map<std::string, std::string> before;
     for (const auto& e : std::filesystem::directory_iterator(dir_ / "out"))
       before[e.path().string()] = read_bytes(e.path().string());
-    const CommandEnd full =
-        shell("ulimit -f 20; " TALUS_EXPORT_EXE " noise/site.tif --output out --to " + format);
+    const CommandEnd full = run("noise/site.tif --output out --to " + format, "ulimit -f 16;");
     EXPECT_EQ(full.code, 1) << format << full.text;
     EXPECT_SAYS_NOT(full.text, "MRPT");
     for (const auto& [file, bytes] : before) EXPECT_TRUE(read_bytes(file) == bytes) << file;

@@ -39,13 +39,13 @@ TEST_F(TalusMapHints, name_the_parameter_that_is_wrong_and_nothing_of_a_sound_dr
            {"-s window_m=3", "outside of the window"},
            {"-s window_m=100 -s resolution_m=0.2 -s max_range_m=8", "was seen"}})
     EXPECT_EQ(causes(settings), only(cause)) << settings;
-  EXPECT_EQ(run("drive.rawlog --no-site --strict --output sound").code, 0);
-  const Outcome failed = run("drive.rawlog --strict --output strict -s window_m=3");
+  runs("drive.rawlog --no-site --strict --output sound");
+  const CommandEnd failed = run("drive.rawlog --strict --output strict -s window_m=3");
   EXPECT_EQ(failed.code, 1);
   EXPECT_EQ(causes_in(failed.err), only("outside of the window"));
   EXPECT_TRUE(failed.says("--strict")) << failed.err;
   EXPECT_FALSE(exists("strict"));
-  EXPECT_EQ(run("drive.rawlog drive.rawlog --suggest").code, 2);
+  fails("drive.rawlog drive.rawlog --suggest", 2, {});
 }
 
 TEST_F(TalusMapHints, a_window_that_ends_before_the_ground_begins)
@@ -61,7 +61,7 @@ objects:
 robot: {path_m: [[0, 0], [5, 0]], speed_mps: 1}
 )";
   write_drive("sensor: {scanner: VLP-16, at_m: [0, 0, 1.2]}\n", {}, corridor);
-  const Outcome done = run("drive.rawlog --no-site --output out");
+  const CommandEnd done = run("drive.rawlog --no-site --output out");
   EXPECT_EQ(causes_in(done.err), only("outside of the window"));
   EXPECT_TRUE(done.says("the ground begins 4.5 m from the sensor")) << done.err;
   EXPECT_EQ(causes("-s window_m=18"), kNone);
@@ -96,7 +96,7 @@ TEST_F(TalusMapHints, a_sensor_that_does_not_see_what_is_as_high_as_the_robot)
   };
   const std::string settings = "-s clearance_m=0.8";
   write_drive(at("RS-LiDAR-16", 0.68, 20), {}, kCanteen);
-  const Outcome done = run("drive.rawlog --no-site --output out " + settings);
+  const CommandEnd done = run("drive.rawlog --no-site --output out " + settings);
   EXPECT_EQ(causes_in(done.err), only("the highest ray ahead"));
   EXPECT_TRUE(done.says("looks 5 degrees down from 0.68 m")) << done.err;
   EXPECT_TRUE(done.says("and 0.80 m is seen")) << done.err;
@@ -177,7 +177,7 @@ TEST_F(TalusMapHints, the_body_of_the_robot_with_the_box_to_paste)
 {
   const std::string body = "  body: [{box: {at_m: [-0.4, 0.2, 0.5], size_m: [0.2, 0.3, 0.5]}}]\n";
   write_drive(kOneSensor, {}, kWorld + body);
-  const Outcome done = run("drive.rawlog --no-site --output out");
+  const CommandEnd done = run("drive.rawlog --no-site --output out");
   EXPECT_EQ(causes_in(done.err), only("move with the robot"));
   const std::string begin = "body_boxes_m = ";
   const auto at = done.err.find(begin);
@@ -191,12 +191,10 @@ TEST_F(TalusMapHints, suggest_prints_a_configuration_and_writes_nothing)
 {
   write_drive();
   const std::size_t before = entries();
-  const Outcome done = run("drive.rawlog --suggest --quiet -s max_height_m=-2");
-  ASSERT_EQ(done.code, 0) << done.err;
+  const CommandEnd done = runs("drive.rawlog --suggest --quiet -s max_height_m=-2");
   EXPECT_EQ(entries(), before);
   write_bytes(path("robot.ini"), done.out);
-  const Outcome mapped = run("drive.rawlog --no-site --config robot.ini --output out");
-  EXPECT_EQ(mapped.code, 0) << mapped.err;
+  const CommandEnd mapped = runs("drive.rawlog --no-site --config robot.ini --output out");
   EXPECT_EQ(mapped.err, "");
   const auto p = summary("out")["parameters"];
   EXPECT_EQ(p["window_m"], 10) << done.out;

@@ -135,7 +135,7 @@ TEST_F(TalusMapHintsOfPoses, in_the_frame_of_a_tilted_sensor_are_levelled)
   write_drive(
       "sensor: {scanner: RS-LiDAR-16, at_m: [0.1, 0, 0.9], roll_pitch_yaw_deg: [0, 12, 0]}\n",
       tilted, "ground: [plane: {}]\nrobot: {path_m: [[0, 0], [9, 0]]}\n");
-  const Outcome leaning = run("drive.rawlog --no-site --output out");
+  const CommandEnd leaning = run("drive.rawlog --no-site --output out");
   EXPECT_TRUE(leaning.says("--level turns the map upright")) << leaning.err;
   EXPECT_EQ(causes("--level"), kNone);
   const std::string poses = summary("out")["poses"];
@@ -187,7 +187,7 @@ TEST_F(TalusMapHintsOfPoses, against_which_the_clock_of_the_scans_is_late_or_ear
     Scene scene = room_with(turning_at(0.8, 0.8));
     scene.late_s = late_s;
     write_scene(scene);
-    const Outcome done = run("drive.rawlog --no-site --output out");
+    const CommandEnd done = run("drive.rawlog --no-site --output out");
     EXPECT_EQ(causes_in(done.err), only("the clock of the scans")) << done.err;
     const std::string seconds = late_s > 0 ? "0.12 s late" : "0.08 s early";
     EXPECT_TRUE(done.says("the clock of the scans is " + seconds)) << done.err;
@@ -203,7 +203,7 @@ TEST_F(TalusMapHintsOfPoses, that_turn_fast_while_a_scan_is_taken)
     EXPECT_EQ(causes(), kNone) << "a scan of one moment";
     scene.sweep_s = 0.1;
     write_scene(scene);
-    const Outcome done = run("drive.rawlog --no-site --output out");
+    const CommandEnd done = run("drive.rawlog --no-site --output out");
     EXPECT_EQ(causes_in(done.err), only("scans are not deskewed")) << rate_rps;
   }
 }

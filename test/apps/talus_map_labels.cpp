@@ -65,8 +65,7 @@ TEST_F(TalusMapLabels, writes_a_number_for_each_point_in_the_order_of_the_scan)
       {scan_of_all_kinds(kFirstStamp_s), floor_scan(kFirstStamp_s + 0.1),
        scan_of_all_kinds(kFirstStamp_s + 0.2)},
       Packing::Gz);
-  const Outcome done = run("drive.rawlog --static --labels labels");
-  ASSERT_EQ(done.code, 0) << done.err;
+  const CommandEnd done = runs("drive.rawlog --static --labels labels");
   EXPECT_EQ(runs_in("labels/000000.label"), kAllKinds);
   EXPECT_EQ(runs_in("labels/000001.label"), "1 x 3721");
   EXPECT_EQ(runs_in("labels/000002.label"), kAllKinds);
@@ -84,8 +83,7 @@ TEST_F(TalusMapLabels, of_scans_that_were_not_mapped_are_zeros)
   objects.push_back(floor_scan(kFirstStamp_s + 0.4));
   write_log(path("drive.rawlog"), objects, Packing::Gz);
   write_bytes(path("drive.tum"), straight_tum(3));
-  const Outcome done = run("drive.rawlog --labels labels --max-gap 0.15");
-  ASSERT_EQ(done.code, 0) << done.err;
+  runs("drive.rawlog --labels labels --max-gap 0.15");
   EXPECT_EQ(summary("drive_map")["frames"], 3);
   EXPECT_EQ(runs_in("labels/000002.label"), "1 x 3721");
   EXPECT_EQ(runs_in("labels/000003.label"), "0 x 3721");
@@ -100,8 +98,7 @@ TEST_F(TalusMapLabels, of_parts_of_a_scan_go_to_the_parts)
     parts.push_back(
         i % 2 ? floor_scan(kFirstStamp_s + 0.01 * i) : scan_of_all_kinds(kFirstStamp_s + 0.01 * i));
   write_log(path("drive.rawlog"), parts, Packing::Gz);
-  const Outcome done = run("drive.rawlog --static --labels labels");
-  ASSERT_EQ(done.code, 0) << done.err;
+  runs("drive.rawlog --static --labels labels");
   EXPECT_EQ(summary("drive_map")["frames"], 4);
   for (int i = 0; i < 25; ++i)
   {
@@ -116,9 +113,8 @@ TEST_F(TalusMapLabels, can_be_a_log_of_clouds)
       scan_of_all_kinds(kFirstStamp_s), floor_scan(kFirstStamp_s + 0.1, "rear"),
       scan_of_all_kinds(kFirstStamp_s + 0.2)};
   write_log(path("drive.rawlog"), scans, Packing::Gz);
-  ASSERT_EQ(run("drive.rawlog --static --labels files").code, 0);
-  const Outcome done = run("drive.rawlog --static --labels clouds --labels-as rawlog");
-  ASSERT_EQ(done.code, 0) << done.err;
+  runs("drive.rawlog --static --labels files");
+  runs("drive.rawlog --static --labels clouds --labels-as rawlog");
   EXPECT_FALSE(exists("clouds/000000.label"));
   EXPECT_TRUE(exists("clouds/labels.yaml"));
   io::RawlogReader reader(path("clouds/labels.rawlog"));
@@ -158,8 +154,7 @@ TEST_F(TalusMapLabels, of_an_import_say_where_they_are_fewer_than_the_points_of_
   std::memcpy(bytes.data(), values.data(), bytes.size());
   std::filesystem::create_directories(path("front"));
   write_bytes(path("front/scan.bin"), bytes);
-  const Outcome done = run("front/scan.bin --mount front=0,0,0.5,0,0,0 --labels labels");
-  ASSERT_EQ(done.code, 0) << done.err;
+  const CommandEnd done = runs("front/scan.bin --mount front=0,0,0.5,0,0,0 --labels labels");
   EXPECT_TRUE(done.says("the import left out 1 point that is not finite")) << done.err;
   EXPECT_EQ(labels_in("labels/000000.label").size(), 299U);
 }
@@ -168,8 +163,7 @@ TEST_F(TalusMapLabels, of_a_batch_have_a_folder_for_each_log)
 {
   write_log(path("a.rawlog"), floor_scans(1), Packing::Gz);
   write_log(path("b.rawlog"), floor_scans(2), Packing::Gz);
-  const Outcome done = run("a.rawlog b.rawlog --static --output maps --labels labels --jobs 2");
-  ASSERT_EQ(done.code, 0) << done.err;
+  runs("a.rawlog b.rawlog --static --output maps --labels labels --jobs 2");
   EXPECT_TRUE(exists("labels/a/000000.label"));
   EXPECT_TRUE(exists("labels/b/000001.label"));
   EXPECT_TRUE(exists("labels/b/labels.yaml"));
@@ -180,10 +174,9 @@ TEST_F(TalusMapLabels, are_refused_where_they_would_replace_those_of_people)
   write_log(path("drive.rawlog"), floor_scans(1), Packing::Gz);
   std::filesystem::create_directories(path("sequence/labels"));
   write_bytes(path("sequence/labels/000000.label"), "made by hand");
-  const Outcome done = run("drive.rawlog --static --labels sequence/labels");
-  EXPECT_EQ(done.code, 1);
-  EXPECT_TRUE(done.says("--labels sequence/labels: has labels that talus-map did not write"))
-      << done.err;
+  fails(
+      "drive.rawlog --static --labels sequence/labels", 1,
+      {"--labels sequence/labels: has labels that talus-map did not write"});
   EXPECT_EQ(read_bytes(path("sequence/labels/000000.label")), "made by hand");
   EXPECT_FALSE(exists("drive_map"));
 }
@@ -192,24 +185,22 @@ TEST_F(TalusMapLabels, name_the_option_where_nothing_can_be_written)
 {
   write_log(path("drive.rawlog"), floor_scans(1), Packing::Gz);
   write_bytes(path("taken"), "a file");
-  const Outcome done = run("drive.rawlog --static --labels taken");
-  EXPECT_EQ(done.code, 1);
-  EXPECT_TRUE(done.says("this is not a folder; give a folder that you may write to with --labels"))
-      << done.err;
+  fails(
+      "drive.rawlog --static --labels taken", 1,
+      {"this is not a folder; give a folder that you may write to with --labels"});
   std::filesystem::create_directories(path("l"));
   std::filesystem::rename(path("drive.rawlog"), path("l/labels.rawlog"));
-  const Outcome itself = run("l/labels.rawlog --static --labels l --labels-as rawlog");
-  EXPECT_EQ(itself.code, 1);
-  EXPECT_TRUE(itself.says("'l/labels.rawlog' would be overwritten, but it is an input"))
-      << itself.err;
+  fails(
+      "l/labels.rawlog --static --labels l --labels-as rawlog", 1,
+      {"'l/labels.rawlog' would be overwritten, but it is an input"});
 }
 
 TEST_F(TalusMapLabels, options_that_do_nothing_are_wrong_usage)
 {
   write_log(path("drive.rawlog"), floor_scans(1), Packing::Gz);
-  EXPECT_EQ(run("drive.rawlog --static --labels-as rawlog").code, 2);
-  EXPECT_EQ(run("drive.rawlog --static --labels l --labels-as pcd").code, 2);
-  EXPECT_EQ(run("drive.rawlog --static --labels l --suggest").code, 2);
-  EXPECT_EQ(run("drive.rawlog --static --labels ''").code, 2);
+  fails("drive.rawlog --static --labels-as rawlog", 2, {});
+  fails("drive.rawlog --static --labels l --labels-as pcd", 2, {});
+  fails("drive.rawlog --static --labels l --suggest", 2, {});
+  fails("drive.rawlog --static --labels ''", 2, {});
   EXPECT_FALSE(exists("l"));
 }

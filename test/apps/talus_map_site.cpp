@@ -28,7 +28,7 @@ class TalusMapSite : public TalusMap
   void expect_refused(const std::string& arguments, int code, const std::string& word) const
   {
     const std::size_t before = entries();
-    const Outcome failed = run(arguments + " --output bad");
+    const CommandEnd failed = run(arguments + " --output bad");
     EXPECT_EQ(failed.code, code) << arguments << ": " << failed.err;
     EXPECT_TRUE(failed.says(word)) << "'" << word << "' not in: " << failed.err;
     EXPECT_EQ(entries(), before);
@@ -46,10 +46,10 @@ class TalusMapSite : public TalusMap
 TEST_F(TalusMapSite, export_writes_the_site_or_without_one_the_window_in_other_formats)
 {
   write_drive("drive", 20);
-  ASSERT_EQ(run("drive.rawlog --output both --export ros,octomap").code, 0);
+  runs("drive.rawlog --output both --export ros,octomap");
   for (const char* name : {"both/site.yaml", "both/site.pgm", "both/site.bt", "both/site.tif"})
     EXPECT_TRUE(std::filesystem::exists(path(name))) << name;
-  ASSERT_EQ(run("drive.rawlog --output window --no-site --export ros").code, 0);
+  runs("drive.rawlog --output window --no-site --export ros");
   EXPECT_TRUE(std::filesystem::exists(path("window/map.pgm")));
   expect_refused("drive.rawlog --export rso", 2, "rso");
 }
@@ -57,8 +57,7 @@ TEST_F(TalusMapSite, export_writes_the_site_or_without_one_the_window_in_other_f
 TEST_F(TalusMapSite, writes_all_that_the_drive_saw_and_says_how_much)
 {
   write_drive("drive", 120);
-  const Outcome done = run("drive.rawlog --output out --threads 1 --traffic");
-  ASSERT_EQ(done.code, 0) << done.err;
+  const CommandEnd done = runs("drive.rawlog --output out --threads 1 --traffic");
   EXPECT_SAYS(done.out, "  site    ");
   EXPECT_EQ(entries(), 2u + 10u) << "nothing hidden, and nothing moved";
   const auto j = summary("out")["site"];
@@ -75,11 +74,11 @@ TEST_F(TalusMapSite, writes_all_that_the_drive_saw_and_says_how_much)
   // The same bytes with little memory and with any number of threads; no styles over a user's own.
   std::filesystem::create_directory(path("other"));
   write_bytes(path("other/map.qml"), "mine");
-  ASSERT_EQ(run("drive.rawlog --output other --threads 3 --memory 4").code, 0);
+  runs("drive.rawlog --output other --threads 3 --memory 4");
   for (const std::string name : {"site.tif", "map.tif", "map.png"})
     EXPECT_TRUE(read_bytes(path("out/" + name)) == read_bytes(path("other/" + name))) << name;
   EXPECT_EQ(read_bytes(path("other/map.qml")), "mine");
-  ASSERT_EQ(run("drive.rawlog --output without --no-site").code, 0);
+  runs("drive.rawlog --output without --no-site");
   EXPECT_FALSE(exists("without/site.tif") || exists("without/site.png"));
   EXPECT_FALSE(summary("without").contains("site"));
   EXPECT_EQ(read_bytes(path("out/map.tif")), read_bytes(path("without/map.tif")));
@@ -91,21 +90,20 @@ TEST_F(TalusMapSite, resume_goes_on_with_the_map_of_yesterday)
   write_drive("whole", 160);
   write_drive("monday", 80);
   write_drive("tuesday", 80, 80);
-  ASSERT_EQ(run("whole.rawlog").code, 0);
-  ASSERT_EQ(run("monday.rawlog").code, 0);
-  const Outcome done = run("tuesday.rawlog --resume monday_map/site.tif");
-  ASSERT_EQ(done.code, 0) << done.err;
+  runs("whole.rawlog");
+  runs("monday.rawlog");
+  runs("tuesday.rawlog --resume monday_map/site.tif");
   EXPECT_GT(area_m2("tuesday_map"), 0.85 * area_m2("whole_map")) << "without Monday's scans";
   EXPECT_LT(area_m2("monday_map"), 0.75 * area_m2("whole_map"));
   // ... and in its own folder.
-  ASSERT_EQ(run("tuesday.rawlog --resume tuesday_map/site.tif --output tuesday_map").code, 0);
+  runs("tuesday.rawlog --resume tuesday_map/site.tif --output tuesday_map");
   EXPECT_GT(area_m2("tuesday_map"), 0.85 * area_m2("whole_map")) << "without Monday's scans";
 }
 
 TEST_F(TalusMapSite, resume_refuses_what_it_cannot_go_on_with_and_touches_nothing)
 {
   write_drive("drive", 10);
-  ASSERT_EQ(run("drive.rawlog --output before").code, 0);
+  runs("drive.rawlog --output before");
   write_bytes(path("text.tif"), "no picture at all");
   expect_refused("drive.rawlog --resume none.tif", 1, "none.tif");
   expect_refused("drive.rawlog --resume text.tif", 1, "text.tif");
@@ -133,8 +131,7 @@ TEST_F(TalusMapSite, of_a_drive_in_two_halves_far_apart_is_a_file_for_each)
   write_bytes(path("far.tum"), tum);
   std::filesystem::create_directory(path("out"));
   write_bytes(path("out/site_floor_1_island_7.tif"), "old");
-  const Outcome done = run("drive.rawlog --trajectory far.tum --output out");
-  ASSERT_EQ(done.code, 0) << done.err;
+  const CommandEnd done = runs("drive.rawlog --trajectory far.tum --output out");
   EXPECT_FALSE(exists("out/site_floor_1_island_7.tif"));
   EXPECT_TRUE(exists("out/site_island_1.tif") && exists("out/site_island_1.png"));
   EXPECT_TRUE(done.says("the site map goes on far away: site_island_1.tif has ")) << done.err;
@@ -142,7 +139,7 @@ TEST_F(TalusMapSite, of_a_drive_in_two_halves_far_apart_is_a_file_for_each)
   EXPECT_LT(summary("out")["site"]["length_m"], 3) << "the jump is not driven";
   const double area_of_both_m2 = area_m2("out");
   // It goes on with both.
-  ASSERT_EQ(run("drive.rawlog --resume out/site.tif --output on").code, 0);
+  runs("drive.rawlog --resume out/site.tif --output on");
   EXPECT_GE(area_m2("on"), area_of_both_m2);
   EXPECT_EQ(summary("on")["site"]["islands"], 1);
 }
@@ -153,10 +150,10 @@ TEST_F(TalusMapSite, that_cannot_be_written_takes_no_other_result_along)
   std::string tum = straight_tum(9);
   tum += std::to_string(kFirstStamp_s + 0.9) + " 1000000 1000000 0 0 0 0 1\n";
   write_bytes(path("far.tum"), tum);
-  const Outcome done = run("drive.rawlog --trajectory far.tum --keep-far --output out");
-  EXPECT_EQ(done.code, 1);
-  EXPECT_TRUE(done.says("the site map is not written: out/site.tif: the site spans")) << done.err;
-  EXPECT_TRUE(done.says("everything but its site map is in out")) << done.err;
+  fails(
+      "drive.rawlog --trajectory far.tum --keep-far --output out", 1,
+      {"the site map is not written: out/site.tif: the site spans",
+       "everything but its site map is in out"});
   EXPECT_TRUE(exists("out/map.tif") && exists("out/map.png") && exists("out/timing.csv"));
   EXPECT_FALSE(exists("out/site.tif"));
   EXPECT_EQ(summary("out")["site"], nullptr);
@@ -165,8 +162,8 @@ TEST_F(TalusMapSite, that_cannot_be_written_takes_no_other_result_along)
 TEST_F(TalusMapSite, the_map_of_the_window_lies_where_the_site_does)
 {
   write_drive("drive", 20);
-  ASSERT_EQ(run("drive.rawlog --output here").code, 0);
-  ASSERT_EQ(run("drive.rawlog --output there --origin 36.8383,-2.4045,52,30").code, 0);
+  runs("drive.rawlog --output here");
+  runs("drive.rawlog --output there --origin 36.8383,-2.4045,52,30");
   const auto here = io::read_geotiff(path("here/map.tif"));
   const auto there = io::read_geotiff(path("there/map.tif"));
   EXPECT_NE(read_bytes(path("here/map.tif")), read_bytes(path("there/map.tif")));
@@ -184,8 +181,8 @@ TEST_F(TalusMapSite, the_map_of_the_window_lies_where_the_site_does)
 TEST_F(TalusMapSite, origin_says_where_on_earth_the_map_is)
 {
   write_drive("drive", 10);
-  ASSERT_EQ(run("drive.rawlog --output a --origin 36.8383,-2.4045").code, 0);
-  ASSERT_EQ(run("drive.rawlog --output b --origin -33.5,151.25,52,-30").code, 0);
+  runs("drive.rawlog --output a --origin 36.8383,-2.4045");
+  runs("drive.rawlog --output b --origin -33.5,151.25,52,-30");
   const auto a = origin_of("a/site.tif"), b = origin_of("b/site.tif");
   ASSERT_TRUE(a && b);
   EXPECT_NEAR(a->latitude_deg, 36.8383, 1e-9);
@@ -195,12 +192,10 @@ TEST_F(TalusMapSite, origin_says_where_on_earth_the_map_is)
   EXPECT_NEAR(b->altitude_m, 52, 1e-6);
   EXPECT_NEAR(b->heading_deg, -30, 1e-6);
   // One place and heading in another text is no other origin.
-  const Outcome same =
-      run("drive.rawlog --output c --resume b/site.tif --origin -33.5,151.25,52,330");
-  EXPECT_EQ(same.code, 0);
+  const CommandEnd same =
+      runs("drive.rawlog --output c --resume b/site.tif --origin -33.5,151.25,52,330");
   EXPECT_EQ(same.err, "");
-  const Outcome moved = run("drive.rawlog --output d --resume b/site.tif --origin -90,-180");
-  EXPECT_EQ(moved.code, 0);
+  const CommandEnd moved = runs("drive.rawlog --output d --resume b/site.tif --origin -90,-180");
   EXPECT_SAYS(moved.err, "another origin on Earth, -33.5");
   ASSERT_TRUE(origin_of("d/site.tif"));
   EXPECT_EQ(origin_of("d/site.tif")->longitude_deg, 180);
@@ -236,8 +231,7 @@ TEST_F(TalusMapSite, takes_the_origin_from_the_gps_of_the_log)
   }
   write_log(path("drive.rawlog"), objects, Packing::Gz);
   write_bytes(path("drive.tum"), straight_tum(150));
-  const Outcome done = run("drive.rawlog --output out");
-  ASSERT_EQ(done.code, 0) << done.err;
+  const CommandEnd done = runs("drive.rawlog --output out");
   EXPECT_EQ(done.err, "");
   const auto origin = origin_of("out/site.tif");
   ASSERT_TRUE(origin);

@@ -20,30 +20,9 @@ namespace
 class TalusMapSources : public TalusMap
 {
  protected:
-  /** A level floor that a scanner sees from kSensorHeight_m above it. */
-  static Points floor()
-  {
-    Points p;
-    for (int i = -30; i <= 30; ++i)
-      for (int k = -30; k <= 30; ++k)
-      {
-        p.x.push_back(0.1F * static_cast<float>(i) + 0.02F);
-        p.y.push_back(0.1F * static_cast<float>(k) + 0.02F);
-        p.z.push_back(-static_cast<float>(kSensorHeight_m));
-      }
-    return p;
-  }
-
   void write_scans(const std::string& folder, int count) const
   {
-    fs::create_directories(path(folder));
-    std::string times;
-    for (int i = 0; i < count; ++i)
-    {
-      write_bytes(path(folder + "/" + std::to_string(i) + ".pcd"), pcd_binary(floor()));
-      times += std::to_string(kFirstStamp_s + 0.1 * i) + "\n";
-    }
-    write_bytes(path(folder + "/times.txt"), times);
+    write_scan_folder(path(folder), floor_points(30), count, kFirstStamp_s);
   }
 
   /** What talus-import makes of the same arguments, mapped. */
@@ -53,7 +32,7 @@ class TalusMapSources : public TalusMap
     const std::string command = "cd '" + path("") + "' && '" + import + "' " + arguments +
                                 " --output two_steps.rawlog --quiet";
     ASSERT_EQ(std::system(command.c_str()), 0);
-    ASSERT_EQ(run("two_steps.rawlog --quiet --output " + output).code, 0);
+    runs("two_steps.rawlog --quiet --output " + output);
   }
 
   std::vector<std::string> names_in(const std::string& folder) const
@@ -76,8 +55,7 @@ TEST_F(TalusMapSources, are_mapped_as_the_log_that_talus_import_makes_of_them)
   write_scans("front", 5);
   write_bytes(path("poses.tum"), straight_tum(5));
   const std::string arguments = "front --poses poses.tum --mount front=0.1,0,0.5,10,0,0";
-  const Outcome one = run(arguments + " --output one");
-  ASSERT_EQ(one.code, 0) << one.err;
+  const CommandEnd one = runs(arguments + " --output one");
   map_in_two_steps(arguments, "two");
   EXPECT_TRUE(read_bytes(path("one/site.tif")) == read_bytes(path("two/site.tif")));
   EXPECT_EQ(summary("one")["frames"], 5);
@@ -106,9 +84,8 @@ TEST_F(TalusMapSources, may_be_the_key_frames_of_a_simplemap)
     map.insert(pose, frame);
   }
   ASSERT_TRUE(map.saveToFile(path("drive.simplemap")));
-  ASSERT_EQ(run("demo.rawlog --quiet --output log").code, 0);
-  const Outcome done = run("drive.simplemap");
-  ASSERT_EQ(done.code, 0) << done.err;
+  runs("demo.rawlog --quiet --output log");
+  runs("drive.simplemap");
   EXPECT_TRUE(read_bytes(path("drive_map/site.tif")) == read_bytes(path("log/site.tif")));
   EXPECT_EQ(summary("drive_map")["poses"], "key frames of the log");
 }
@@ -118,21 +95,19 @@ TEST_F(TalusMapSources, leave_the_log_beside_the_map_where_it_is_asked_for)
   write_scans("front", 4);
   write_bytes(path("poses.tum"), straight_tum(4));
   // A trajectory is one, whichever command the name of its switch comes from.
-  const Outcome kept = run("front/ --trajectory poses.tum --mount front=0,0,0.5,0,0,0 --keep-log");
-  ASSERT_EQ(kept.code, 0) << kept.err;
+  runs("front/ --trajectory poses.tum --mount front=0,0,0.5,0,0,0 --keep-log");
   std::vector<std::string> names = results_;
   names.insert(names.begin(), {"front.rawlog", "front.tum"});
   EXPECT_EQ(names_in("front_map"), names);
-  ASSERT_EQ(run("front_map/front.rawlog --output again").code, 0);
+  runs("front_map/front.rawlog --output again");
   EXPECT_TRUE(read_bytes(path("front_map/map.tif")).size() > 0);
   EXPECT_TRUE(read_bytes(path("front_map/site.tif")) == read_bytes(path("again/site.tif")));
 }
 
 TEST_F(TalusMapSources, of_a_single_scan_need_no_pose)
 {
-  write_bytes(path("yard.pcd"), pcd_binary(floor()));
-  const Outcome done = run("yard.pcd");
-  EXPECT_EQ(done.code, 0) << done.err;
+  write_bytes(path("yard.pcd"), pcd_binary(floor_points(30)));
+  const CommandEnd done = runs("yard.pcd");
   EXPECT_EQ(summary("yard_map")["poses"], "static, as a single scan without a pose") << done.err;
 }
 
@@ -140,12 +115,9 @@ TEST_F(TalusMapSources, without_poses_are_refused_with_what_to_pass)
 {
   write_scans("front", 3);
   const std::size_t before = entries();
-  const Outcome refused = run("front");
-  EXPECT_EQ(refused.code, 1);
-  EXPECT_TRUE(refused.says("front: has no poses of the robot. Pass --trajectory FILE"))
-      << refused.err;
+  fails("front", 1, {"front: has no poses of the robot. Pass --trajectory FILE"});
   EXPECT_EQ(entries(), before);
-  EXPECT_EQ(run("front --static --quiet").code, 0);
+  runs("front --static --quiet");
 }
 
 TEST_F(TalusMapSources, that_are_a_folder_of_rawlogs_are_a_batch)
@@ -154,29 +126,17 @@ TEST_F(TalusMapSources, that_are_a_folder_of_rawlogs_are_a_batch)
   write_log(path("logs/b.rawlog.zst"), floor_scans(3), Packing::Gz);  // its bytes tell what it is
   write_log(path("logs/a.rawlog"), floor_scans(3), Packing::Gz);
   for (const char* name : {"logs/b.tum", "logs/a.tum"}) write_bytes(path(name), straight_tum(3));
-  const Outcome done = run("logs --output out");
-  ASSERT_EQ(done.code, 0) << done.err;
+  const CommandEnd done = runs("logs --output out");
   EXPECT_EQ(names_in("out"), (std::vector<std::string>{"a", "b"}));
   EXPECT_SAYS(done.out, "2 logs: 2 done, 0 failed");
-  EXPECT_EQ(run("logs --rawlog-out x.rawlog").code, 2);
-}
-
-TEST_F(TalusMapSources, leave_nothing_when_they_are_stopped)
-{
-  write_scans("front", 300);
-  const std::size_t before = entries();
-  const Outcome stopped =
-      run("front --static --output out", "timeout --preserve-status -s TERM 0.2");
-  EXPECT_EQ(stopped.code, 128 + 15) << stopped.err;
-  EXPECT_EQ(entries(), before);
+  fails("logs --rawlog-out x.rawlog", 2, {});
 }
 
 TEST_F(TalusMapSources, get_a_configuration_suggested)
 {
   write_scans("front", 3);
   const std::size_t before = entries();
-  const Outcome done = run("front --static --mount front=0,0,0.5,0,0,0 --suggest");
-  EXPECT_EQ(done.code, 0) << done.err;
+  const CommandEnd done = runs("front --static --mount front=0,0,0.5,0,0,0 --suggest");
   EXPECT_SAYS(done.out, "Made from 3 scans of front");
   EXPECT_EQ(entries(), before);
 }
@@ -186,7 +146,7 @@ TEST_F(TalusMapSources, have_switches_that_are_refused_where_nothing_is_imported
   write_log(path("log.rawlog"), floor_scans(2), Packing::Gz);
   for (const char* option : {"--mount lidar=0,0,1,0,0,0", "--keep-log", "--topic /points"})
   {
-    const Outcome refused = run(std::string("log.rawlog --static ") + option);
+    const CommandEnd refused = run(std::string("log.rawlog --static ") + option);
     EXPECT_EQ(refused.code, 2) << option;
     const std::string name = std::string(option).substr(0, std::string(option).find(' '));
     EXPECT_TRUE(refused.says(name + ": is for scans of other programs")) << refused.err;
@@ -199,7 +159,7 @@ TEST_F(TalusMapSources, may_be_bags_of_which_one_topic_is_mapped)
   const std::string make = std::string("python3 -S '") + TALUS_SOURCE_DIR +
                            "/test/import/make_bags.py' '" + path("") + "' parts 2>/dev/null";
   if (std::system(make.c_str()) != 0) GTEST_SKIP() << "no bags can be made here: python3?";
-  const Outcome done = run("parts --topic /front/points --output out");
+  const CommandEnd done = run("parts --topic /front/points --output out");
   if (done.says("was built without")) GTEST_SKIP() << done.err;
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_EQ(summary("out")["sensors"], nlohmann::json({{"/front/points", 10}}));
@@ -209,13 +169,11 @@ TEST_F(TalusMapSources, may_be_bags_of_which_one_topic_is_mapped)
 TEST_F(TalusMapSources, keep_the_snapshots_in_a_log_of_their_own)
 {
   write_scans("front", 3);
-  const Outcome done =
-      run("front --static --mount front=0,0,0.5,0,0,0 --rawlog-out terrain.rawlog --output out");
-  ASSERT_EQ(done.code, 0) << done.err;
+  runs("front --static --mount front=0,0,0.5,0,0,0 --rawlog-out terrain.rawlog --output out");
   EXPECT_TRUE(exists("terrain.rawlog"));
-  const Outcome clash = run("front --static --keep-log --rawlog-out out/front.rawlog --output out");
-  EXPECT_EQ(clash.code, 1);
-  EXPECT_TRUE(clash.says("is one of the results in out")) << clash.err;
+  fails(
+      "front --static --keep-log --rawlog-out out/front.rawlog --output out", 1,
+      {"is one of the results in out"});
 }
 
 TEST_F(TalusMapSources, that_a_result_would_replace_are_refused)
@@ -225,15 +183,14 @@ TEST_F(TalusMapSources, that_a_result_would_replace_are_refused)
   for (const std::string log : {"site.tif", "map.tif"})
   {
     const std::string bytes = read_bytes(path(log));
-    const Outcome refused = run(log + " --static --output .");
-    EXPECT_EQ(refused.code, 1);
-    EXPECT_TRUE(refused.says("/" + log + "' would be overwritten, but it is an input"))
-        << refused.err;
+    fails(
+        log + " --static --output .", 1,
+        {"/" + log + "' would be overwritten, but it is an input"});
     EXPECT_TRUE(read_bytes(path(log)) == bytes) << log;
   }
   write_log(path("log.rawlog"), floor_scans(2), Packing::Plain);
   write_bytes(path("timing.csv"), straight_tum(2));
   EXPECT_TRUE(run("log.rawlog --trajectory timing.csv --output .")
                   .says("timing.csv' would be overwritten"));
-  EXPECT_EQ(run("site.tif --static --output elsewhere").code, 0);
+  runs("site.tif --static --output elsewhere");
 }

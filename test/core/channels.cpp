@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <stdexcept>
@@ -337,19 +336,6 @@ TEST(Channels, HaveTheSameBitsInAnyOrderOfPointsAndWithAnyThreads)
   }
   for (const char* name : {"v", "v_standing"})
     EXPECT_TRUE(same_bits(one.map.channel(name), other.map.channel(name))) << name;
-}
-
-TEST(Channels, ChangeNothingElseInTheMap)
-{
-  TestMap plain;
-  ChannelMap m("mean");
-  for (int i = 0; i < 5; i++)
-  {
-    const Scan scan = Scan(0.3 * i, 0).cast({{{1.5, -0.4, 0}, {2, 0.4, 0.8}}});
-    plain.update(scan);
-    m.see(scan, 3);
-  }
-  EXPECT_EQ(m.map.save(), plain.map.save());
 }
 
 TEST(Channels, EachOfSeveralHasItsRule)

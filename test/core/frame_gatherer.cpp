@@ -2,8 +2,6 @@
 #include <talus/frame_gatherer.h>
 #include "scene.h"
 
-#include <cmath>
-#include <limits>
 #include <stdexcept>
 
 using namespace talus;

@@ -2,7 +2,6 @@
 #include "scene.h"
 
 #include <algorithm>
-#include <cstring>
 #include <deque>
 
 using namespace talus;
@@ -120,7 +119,7 @@ TEST(FramesInFlight, AlsoOnAMapWhoseLayersAreCopied)
 {
   for (const auto& layers : {kTwo, kMany})
   {
-    Both maps(window(26), layers);
+    Both maps(window(20.5), layers);
     for (int i = 0; i < 4; i++) ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(i)));
     ASSERT_NO_FATAL_FAILURE(maps.finish_all());
   }
@@ -181,27 +180,13 @@ TEST(FramesInFlight, RoomForTheNextPointsDoesNotChangeWhatIsShown)
   }
 }
 
-TEST(FramesInFlight, ABadPoseThrowsAtTheStartAndChangesNothing)
-{
-  Both maps(window(8), kTwo);
-  for (int i = 0; i < 6; i++)
-  {
-    ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(i)));
-    Scan bad = scan_at(i);
-    bad.pose_.m[3] = NAN;
-    EXPECT_THROW(maps.overlapped.start(bad.frame()), std::invalid_argument);
-    EXPECT_EQ(maps.overlapped.frames_in_flight(), 1);
-  }
-  ASSERT_NO_FATAL_FAILURE(maps.finish_all());
-}
-
 TEST(FramesInFlight, WhatNoFrameMayHaveThrowsAtTheStartAndChangesNothing)
 {
   Both maps(window(8), kTwo);
   ASSERT_NO_FATAL_FAILURE(maps.feed(scan_at(0)));
   const Scan scan = scan_at(1);
   const Frame good = scan.frame();
-  std::vector<Frame> bad(13, good);
+  std::vector<Frame> bad(14, good);
   bad[0].size = 536870912;
   bad[1].T_map_sensor.m[7] = -1.01e9 * maps.overlapped.parameters().resolution_m;
   const TimedPose start{0, good.T_map_sensor}, end{0.1, good.T_map_sensor};
@@ -219,6 +204,7 @@ TEST(FramesInFlight, WhatNoFrameMayHaveThrowsAtTheStartAndChangesNothing)
   bad[11].T_map_sensor.m[10] = -1;  // mirrored
   bad[12].path = {start, end};
   bad[12].path[1].T_map_sensor.m = {};
+  bad[13].T_map_sensor.m[3] = NAN;
   for (std::size_t i = 0; i < bad.size(); i++)
   {
     EXPECT_THROW(maps.overlapped.start(bad[i]), std::invalid_argument) << i;

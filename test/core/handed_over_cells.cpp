@@ -89,21 +89,6 @@ TEST(HandedOverCells, ThatAreUnknownChangeNothing)
   for (std::size_t i = 0; i < before.size(); i++) EXPECT_TRUE(same(before[i], after[i]));
 }
 
-TEST(HandedOverCells, AreShownByOutputLayersAtOnce)
-{
-  TestMap m;
-  m.map.set_output_layers({Layer::GroundElevation, Layer::Traversability, Layer::State});
-  m.update(Scan(0, 0).add(1, 1, 0));
-  CellRecord r;
-  r.ground_m = 0.25f, r.ground_variance_m2 = 0.01f, r.traversability = 0.5f, r.state = 1;
-  const Window w = m.map.window();
-  write(m, {{w.min_cell_x + 3, w.min_cell_y + 2, 1, 1}}, {r});
-  const auto at = static_cast<std::size_t>(2 * w.cells + 3);
-  EXPECT_EQ(m.map.layer(Layer::GroundElevation)[at], 0.25f);
-  EXPECT_EQ(m.map.layer(Layer::Traversability)[at], 0.5f);
-  EXPECT_EQ(m.map.layer(Layer::State)[at], 1.0f);
-}
-
 namespace
 {
 const std::vector<Layer> kAllLayers = {

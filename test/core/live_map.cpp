@@ -3,7 +3,6 @@
 #include "scene.h"
 
 #include <atomic>
-#include <cstring>
 #include <limits>
 #include <thread>
 

@@ -230,15 +230,6 @@ TEST(PointLabels, ChangeNothingInTheMap)
   EXPECT_EQ(m.map.save(), same.map.save());
 }
 
-TEST(PointLabels, OfARestoredMapAreThoseOfTheMap)
-{
-  const Scan scan = Scan(1.3, -2.2).cast({{{2.5, -2.4, 0}, {3, -2, 0.8}}});
-  TestMap m, restored;
-  m.update(scan);
-  restored.map.restore(m.map.save());
-  EXPECT_EQ(label_points(restored.map, scan.frame()), label_points(m.map, scan.frame()));
-}
-
 TEST(PointLabels, NeedAFrameAndNoneInFlight)
 {
   TestMap m;

@@ -77,17 +77,6 @@ TEST(Stage2Roll, WhatEntersIsEmptyEvenWhenItWasSeenLongAgo)
   for (float v : m.map.layer(Layer::Elevation)) EXPECT_TRUE(std::isnan(v));
 }
 
-TEST(Stage2Roll, TheWindowFollowsFarFromTheOriginWithoutDrift)
-{
-  // 100 km out, in both directions, a point still falls into the cell that holds it.
-  for (const double x : {1e5, -1e5})
-  {
-    TestMap m(Scan(x, -x).add(x + 1.026, -x + 1.026, 0.01));
-    EXPECT_EQ(m.state(x + 1.026, -x + 1.026), CellState::Measured);
-    EXPECT_LE(std::abs(m.map.window().min_x_m() + 4.0 - x), 0.05);
-  }
-}
-
 namespace
 {
 constexpr double kCell_m = 0.2;

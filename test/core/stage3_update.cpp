@@ -90,23 +90,6 @@ TEST(Stage3Update, TheVarianceHasAFloor)
   EXPECT_FLOAT_EQ(m.fused_variance(kX, kY), 1e-5f);
 }
 
-TEST(Stage3Update, ATableTopAboveSeenGroundIsPassableAndALowBeamIsNot)
-{
-  TestMap table, beam;
-  Scan ground = Scan().add_surface(1, -1, 3, 1, flat);
-  table.update(ground);
-  beam.update(ground);
-  table.update(Scan(ground).add_surface(1.8, -0.4, 2.2, 0.4, level(0.72)));
-  beam.update(Scan(ground).add_surface(1.8, -0.4, 2.2, 0.4, level(0.35)));
-  for (double y = -0.375; y < 0.4; y += 0.05)
-  {
-    EXPECT_NEAR(table.elevation(2.025, y), 0.0, 1e-5);
-    EXPECT_GT(table.traversability(2.025, y), 0.99);
-    EXPECT_NEAR(beam.elevation(2.025, y), 0.35, 1e-5);
-    EXPECT_EQ(beam.traversability(2.025, y), 0.0);
-  }
-}
-
 TEST(Stage3Update, WhatIsSeenFromAboveStandsOverSeenGroundUntilARayPassesBelowItAsHighAsTheRobot)
 {
   // A slab whose underside nobody saw: rays reach the ground below it, but all of them pass low.

@@ -155,15 +155,6 @@ TEST(Stage6Fill, AFillIsTheLessCertainTheFartherItsSample)
   }
 }
 
-TEST(Stage6Fill, APlaneIsFilledWithoutBiasAcrossASmallGap)
-{
-  Scan s;
-  for (double x = 1.025; x < 3; x += 0.1)
-    for (double y = -0.475; y < 0.5; y += 0.05) s.add(x, y, 0.0);
-  TestMap m(s);
-  for (double x = 1.075; x < 2.9; x += 0.1) EXPECT_NEAR(m.ground(x, 0.025), 0.0, 1e-5);
-}
-
 TEST(Stage6Fill, ASlopeIsFilledAlongRayRowAndColumnWithoutBias)
 {
   // Stripes of ground on a plane that tilts both ways, 0.2 m of 0.25 m unseen.

@@ -1,8 +1,6 @@
 // What the map tells of the errors of its heights.
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "scene.h"
 #include <talus/risk.h>
 #include "kernels/7_risk.h"
@@ -116,33 +114,6 @@ TEST(Stage6Variance, OfAFillFromOneSideIsATenthOfItsGapAtLeastWhateverLiesBeside
     EXPECT_GT(deviation_m(m, x, kY), 0.1 * (x - 1.475)) << x;
     EXPECT_LT(deviation_m(m, x, kY), 0.15 * (x - 1.475) + 0.02) << x;
   }
-}
-
-TEST(Stage6Variance, IsTheSameDeliveredWithEachFrameAndReadOnDemand)
-{
-  TestMap delivered, asked;
-  delivered.map.set_output_layers({Layer::Variance});
-  for (int i = 0; i < 3; i++)
-  {
-    const Scan scan =
-        Scan(0.3 * i, 0.1 * i)
-            .add_surface(
-                1.0, -1.0, 1.7, 1.0, [](double x, double y) { return 0.03 * scattered(x, y); })
-            .add_surface(2.2, -1.0, 2.5, 1.0, flat);
-    delivered.update(scan);
-    asked.update(scan);
-    EXPECT_TRUE(same_bits(delivered.map.layer(Layer::Variance), asked.map.layer(Layer::Variance)))
-        << "frame " << i;
-  }
-}
-
-TEST(Stage6Variance, IsTheSameAfterTheMapWasSavedAndRestored)
-{
-  TestMap m = map_of([](double x, double y) { return 0.02 * scattered(x, y); });
-  const std::vector<float> before = m.map.layer(Layer::Variance);
-  TestMap restored;
-  restored.map.restore(m.map.save());
-  EXPECT_TRUE(same_bits(before, restored.map.layer(Layer::Variance)));
 }
 
 TEST(Stage6Variance, CountsWhatStraysAlongEitherAxis)

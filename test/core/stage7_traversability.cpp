@@ -70,13 +70,6 @@ TEST(Stage7Traversability, AWallOneCellThickBlocksAtMostItsOwnCellsAndTheirNeigh
   }
 }
 
-TEST(Stage7Traversability, ASlopeOfFortyDegreesIsImpassable)
-{
-  const double t = std::tan(40 * M_PI / 180);
-  TestMap m(Scan().add_surface(-1, -1, 1, 1, [&](double x, double) { return t * x; }));
-  EXPECT_EQ(m.traversability(0.525, 0.525), 0.0f);
-}
-
 TEST(Stage7Traversability, Equations10To13ByNumbersWorkedOutByHand)
 {
   // One cell 0.04 m above 48 flat neighbours. Mean of the 49: 0.04 / 49.
@@ -108,23 +101,6 @@ TEST(Stage7Traversability, TooFewNeighboursLeaveTheSlopeAndWithItTheCellUnknown)
   TestMap m(Scan().add(2.025, 0.025, 0).add(2.075, 0.025, 0), with({{"fill_search_m", 0}}));
   EXPECT_EQ(m.state(2.025, 0.025), CellState::Measured);
   EXPECT_TRUE(std::isnan(m.traversability(2.025, 0.025)));
-}
-
-TEST(Stage7Traversability, UnknownCellsHaveNoFeatures)
-{
-  TestMap m{Scan()};
-  for (int l = static_cast<int>(Layer::Slope); l < kLayerCount; l++)
-    for (float v : m.map.layer(static_cast<Layer>(l))) ASSERT_TRUE(std::isnan(v));
-}
-
-TEST(Stage7Traversability, BehindABoxThatRaysPassOverNothingIsKnownToBeFree)
-{
-  TestMap m;
-  const Box box{{1.5, -0.5, 0}, {2.3, 0.5, 0.4}};
-  for (int i = 0; i < 3; i++) m.update(Scan().cast({box}));
-  EXPECT_FALSE(m.traversability(2.425, 0.025) > 0.0f);  // in its shadow
-  EXPECT_GT(m.traversability(1.0, 0.025), 0.8f);  // seen
-  EXPECT_GT(m.traversability(0.5, 0.025), 0.8f);  // blind zone
 }
 
 TEST(Stage7Traversability, AGapOfOneCellBetweenImpassableCellsIsImpassable)

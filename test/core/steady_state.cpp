@@ -10,7 +10,7 @@ using namespace talus::test;
 
 namespace
 {
-constexpr int kScans = 20, kWarm = 60, kFrames = 1000;
+constexpr int kScans = 20, kWarm = 60, kFrames = 200;
 
 /** Scans of several sizes on a drive past boxes, some of them deskewed. */
 class Drive
@@ -47,7 +47,7 @@ class Drive
 constexpr Layer kDelivered[] = {Layer::Traversability, Layer::Elevation};
 
 /** Allocations in so many frames, layers read after each, of a map that is warm. */
-std::uint64_t allocations_when_warm(Parameters p, int threads)
+std::uint64_t allocations_when_warm(Parameters p, int threads, int frames = kFrames)
 {
   p.window_m = 3;
   const Drive drive;
@@ -61,7 +61,7 @@ std::uint64_t allocations_when_warm(Parameters p, int threads)
   };
   for (int i = 0; i < kWarm; i++) one(i);
   const std::uint64_t before = allocations;
-  for (int i = 0; i < kFrames; i++) one(i);
+  for (int i = 0; i < frames; i++) one(i);
   return allocations - before;
 }
 }  // namespace
@@ -73,7 +73,10 @@ TEST(SteadyState, TheCounterCounts)
   EXPECT_EQ(allocations - before, 1u);
 }
 
-TEST(SteadyState, AThousandFramesAllocateNothing) { EXPECT_EQ(allocations_when_warm({}, 1), 0u); }
+TEST(SteadyState, AThousandFramesAllocateNothing)
+{
+  EXPECT_EQ(allocations_when_warm({}, 1, 1000), 0u);
+}
 
 TEST(SteadyState, NeitherDoTheyWithAVoxelFilterAndManySamples)
 {
@@ -102,7 +105,7 @@ TEST(SteadyState, NeitherDoFramesOfWhichTwoAreInFlight)
   EXPECT_EQ(allocations - before, 0u);
 }
 
-TEST(SteadyState, AThousandFramesIntoALiveMapThatIsReadAllocateNothing)
+TEST(SteadyState, FramesIntoALiveMapThatIsReadAllocateNothing)
 {
   const Drive drive;
   LiveMap map({}, {Layer::Traversability, Layer::Elevation}, Backend::Cpu, 1);

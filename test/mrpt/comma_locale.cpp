@@ -1,7 +1,5 @@
 // What talus reads and writes in a program whose locale has a decimal comma: the same bytes as in
 // any other.
-#include "comma_locale.h"
-
 #include <mrpt/config/CConfigFileMemory.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/summary_json.h>
@@ -13,9 +11,12 @@
 #include <talus/sim/world.h>
 #include <unistd.h>
 
+#include <clocale>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <locale>
 #include <regex>
 #include <sstream>
 
@@ -24,10 +25,31 @@
 
 using namespace talus;
 using mrpt::config::CConfigFileMemory;
-using talus::test::CommaLocale;
 
 namespace
 {
+/** A locale with a decimal comma and groups of digits, which a program with windows takes over from
+ * the desktop. */
+class CommaLocale : public testing::Test
+{
+ protected:
+  void SetUp() override
+  {
+    setenv("LOCPATH", TALUS_TEST_LOCALES, 1);
+    constexpr const char* name = "de_DE.UTF-8";
+    if (!std::setlocale(LC_ALL, name))
+      GTEST_SKIP() << "there is no locale with a decimal comma: install the Debian package locales "
+                      "and configure again";
+    std::locale::global(std::locale(name));
+    ASSERT_EQ(std::strtod("0.5", nullptr), 0) << "a point ends a number here";
+  }
+  void TearDown() override
+  {
+    std::locale::global(std::locale::classic());
+    std::setlocale(LC_ALL, "C");
+  }
+};
+
 /** `0,05` anywhere. */
 bool has_comma_number(const std::string& text)
 {

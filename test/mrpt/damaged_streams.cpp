@@ -1,5 +1,6 @@
-// Streams that are damaged or made up: what they say is refused by name before memory is taken for
-// it, and what should have been replaced stays as it was. They are written here part by part.
+// Streams that are damaged, made up or of other versions: what they say is refused by name before
+// memory is taken for it, and what should have been replaced stays as it was. A parameter that they
+// leave out has its default, one that they alone know is skipped. They are written part by part.
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/serialization/CArchive.h>
 #include <sys/resource.h>
@@ -218,6 +219,22 @@ double growth_MB(const std::function<void()>& what)
   return kMeasures ? MB : 0;
 }
 
+/** Changes each of the first bytes in three ways; cuts the stream at each `step`. */
+template <class Use, class UseCut>
+void damage_and_cut(
+    const Bytes& sound, std::size_t first, std::size_t step, const Use& use, const UseCut& use_cut)
+{
+  for (std::size_t i = 0; i < first; i++)
+    for (const int change : {0xFF, 0x80, 0x01})
+    {
+      auto bytes = sound;
+      bytes[i] = static_cast<std::uint8_t>(bytes[i] ^ change);
+      use(bytes);
+    }
+  for (std::size_t size = 0; size < sound.size(); size += step)
+    use_cut({sound.begin(), sound.begin() + static_cast<std::ptrdiff_t>(size)});
+}
+
 template <class Parts>
 void expect_refused_in_little_memory(const Parts& parts, const std::string& why)
 {
@@ -344,24 +361,18 @@ TEST(DamagedMap, a_map_stays_as_it_was_when_nothing_sound_can_be_read)
 
 TEST(DamagedMap, any_byte_may_be_wrong_or_missing)
 {
-  const auto sound = tiny_map().bytes();
-  EXPECT_LT(
-      growth_MB(
-          [&]
-          {
-            for (std::size_t i = 0; i < 700; i++)  // and on into the cells
-              for (const int change : {0xFF, 0x80, 0x01})
-              {
-                auto bytes = sound;
-                bytes[i] = static_cast<std::uint8_t>(bytes[i] ^ change);
-                CDualElevationMap map;
-                if (refusal(bytes, map).empty() && !map.isEmpty()) map.asString();
-              }
-            for (std::size_t size = 0; size < sound.size(); size += 7)
-              if (refusal<CDualElevationMap>({sound.begin(), sound.begin() + size}).empty())
-                _exit(1);
-          }),
-      2 * kLittle_MB);
+  const auto use = [](const Bytes& bytes)
+  {
+    CDualElevationMap map;
+    if (refusal(bytes, map).empty() && !map.isEmpty()) map.asString();
+  };
+  const auto refuse = [](const Bytes& bytes)
+  {
+    if (refusal<CDualElevationMap>(bytes).empty()) _exit(1);
+  };
+  const auto sound = tiny_map().bytes();  // 700 bytes lead on into the cells
+  const auto damage = [&] { damage_and_cut(sound, 700, 7, use, refuse); };
+  EXPECT_LT(growth_MB(damage), 2 * kLittle_MB);
 }
 
 TEST(OptionsSetInCode, are_shown_as_they_are_and_refused_where_they_are_used)
@@ -524,19 +535,63 @@ TEST(DamagedSnapshot, any_byte_may_be_wrong_or_missing)
           for (int l = 0; l < kLayerCount; l++) o.layer(static_cast<Layer>(l));
         });
   };
-  EXPECT_LT(
-      growth_MB(
-          [&]
-          {
-            for (std::size_t i = 0; i < sound.size(); i++)
-              for (const int change : {0xFF, 0x80, 0x01})
-              {
-                auto bytes = sound;
-                bytes[i] = static_cast<std::uint8_t>(bytes[i] ^ change);
-                use(bytes);
-              }
-            for (std::size_t size = 0; size < sound.size(); size++)
-              use({sound.begin(), sound.begin() + static_cast<std::ptrdiff_t>(size)});
-          }),
-      kLittle_MB);
+  EXPECT_LT(growth_MB([&] { damage_and_cut(sound, sound.size(), 1, use, use); }), kLittle_MB);
+}
+
+TEST(SerializationVersions, a_map_with_fewer_and_other_parameters_is_read)
+{
+  MapParts m;
+  m.parameters = {{"clearance_m", 1.25}, {"gone", 7}};
+  m.decimation = 5;
+  m.max_cells = 99;
+  m.colormap = mrpt::img::cmHOT;
+  auto map = read<CDualElevationMap>(m.bytes());
+  EXPECT_TRUE(map.isEmpty());
+  EXPECT_EQ(map.insertionOptions.clearance_m, 1.25);
+  EXPECT_EQ(map.insertionOptions.resolution_m, Parameters().resolution_m);
+  EXPECT_EQ(map.likelihoodOptions.decimation, 5);
+  EXPECT_EQ(map.renderOptions.maxCells, 99);
+  EXPECT_EQ(map.renderOptions.colormap, mrpt::img::cmHOT);
+  EXPECT_TRUE(map.insertObservation(talus_test::scan_of_room({}))) << "and goes on";
+}
+
+TEST(SerializationVersions, a_map_of_two_sensors_with_a_body_goes_on_from_a_stream)
+{
+  const auto see = [](CDualElevationMap& map, int i)
+  {
+    const CPose3D pose(0.1 * i, 0, 0, 0.05 * i, 0.03 * i, 0);
+    auto scan = talus_test::scan_of_room(pose);
+    scan.sensorLabel = i % 2 ? "rear" : "front";
+    return map.insertObservation(scan, pose);
+  };
+  Parameters p = talus_test::small_window();
+  p.body_boxes_m = {{-0.5, 0.1 + 0.2, -0.3, 0.3, 0, 0.9}, {0.3, 0.6, -0.1, 0.1, 0.2, 1.1}};
+  CDualElevationMap map(p, Backend::Cpu), copy;
+  for (int i = 0; i < 3; i++) ASSERT_TRUE(see(map, i));
+  read(bytes_of(map), copy);
+  EXPECT_TRUE(
+      is_same_value(*find_parameter("body_boxes_m"), copy.insertionOptions, map.insertionOptions));
+  for (int i = 4; i > 2; i--)  // the other one first
+    for (CDualElevationMap* m : {&map, &copy}) ASSERT_TRUE(see(*m, i));
+  EXPECT_EQ(copy.mapper().save(), map.mapper().save());
+}
+
+TEST(SerializationVersions, a_snapshot_with_a_layer_of_another_version_is_read_without_it)
+{
+  SnapshotParts s;
+  s.layers = {{"moisture", 0, 1, Bytes(3)}};
+  const auto snapshot = read<CObservationTraversability>(s.bytes());
+  EXPECT_EQ(snapshot.sensorLabel, "terrain");
+  EXPECT_EQ(snapshot.window.cells, 4);
+  EXPECT_TRUE(snapshot.layer(Layer::Elevation).empty());
+}
+
+TEST(SerializationVersions, a_later_version_is_refused_with_its_number)
+{
+  const auto of_version_9 = [](const std::string& name)
+  { return talus_test::framed(name, 9, [](CArchive&) {}); };
+  for (const auto& text :
+       {refusal<CDualElevationMap>(of_version_9("talus::CDualElevationMap")),
+        refusal<CObservationTraversability>(of_version_9("talus::CObservationTraversability"))})
+    EXPECT_TRUE(has(text, "unknown serialization version number: '9'"));
 }

@@ -1,6 +1,5 @@
 #include <talus/mrpt/observation_points.h>
 
-#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
@@ -8,10 +7,9 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationRotatingScan.h>
 
-#include <algorithm>
 #include <cmath>
 
-#include "log_files.h"
+#include "velodyne_packets.h"
 
 using namespace mrpt::obs;
 using mrpt::poses::CPose3D;
@@ -39,12 +37,6 @@ void expect_point(const SensorPoints& p, std::size_t i, double x, double y, doub
   EXPECT_NEAR(p.x_m[i], x, tol) << "point " << i;
   EXPECT_NEAR(p.y_m[i], y, tol) << "point " << i;
   EXPECT_NEAR(p.z_m[i], z, tol) << "point " << i;
-}
-
-void expect_refused(const CObservation& obs, const std::vector<std::string>& words)
-{
-  SensorPoints points;
-  expect_error([&] { points_from_observation(obs, points); }, words);
 }
 
 }  // namespace
@@ -129,10 +121,7 @@ TEST(PointsFromAPointCloud, AreAllThereInARecordedScan)
 {
   const auto path = real_data("offroad_a.rawlog");
   TALUS_SKIP_WITHOUT(path);
-  mrpt::io::CFileGZInputStream file(path);
-  mrpt::serialization::CSerializable::Ptr object;
-  mrpt::serialization::archiveFrom(file) >> object;
-  EXPECT_GT(points_of(dynamic_cast<CObservation&>(*object)).x_m.size(), 50000u);
+  EXPECT_GT(points_of(*first_of<CObservation>(path)).x_m.size(), 50000u);
 }
 
 TEST(PointsFromA2DScan, LieInItsPlaneFromRightToLeft)
@@ -247,10 +236,8 @@ TEST(PointsFromADepthCamera, AreAllPixelsOfTheStockImage)
 {
   const auto path = stock_dataset("tests_rgbd.rawlog");
   TALUS_SKIP_WITHOUT(path);
-  mrpt::io::CFileGZInputStream file(path);
-  mrpt::serialization::CSerializable::Ptr object;
-  mrpt::serialization::archiveFrom(file) >> object;
-  const auto& obs = dynamic_cast<CObservation3DRangeScan&>(*object);
+  const auto first = first_of<CObservation3DRangeScan>(path);
+  const CObservation3DRangeScan& obs = *first;
   std::size_t returns = 0;
   for (int r = 0; r < obs.rangeImage.rows(); ++r)
     for (int c = 0; c < obs.rangeImage.cols(); ++c) returns += obs.rangeImage(r, c) != 0;

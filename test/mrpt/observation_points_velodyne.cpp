@@ -1,4 +1,3 @@
-#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <talus/mrpt/observation_points.h>
@@ -7,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "log_files.h"
 #include "velodyne_packets.h"
 
 using namespace mrpt::obs;
@@ -47,21 +45,6 @@ void set_all_returns(CObservationVelodyneScan& scan, std::uint16_t range)
   for (auto& packet : scan.scan_packets)
     for (int b = 0; b < 12; ++b)
       for (int k = 0; k < 32; ++k) PacketWriter(packet).set_return(b, k, range);
-}
-
-template <class Observation>
-std::shared_ptr<Observation> first_of(const std::string& path)
-{
-  mrpt::io::CFileGZInputStream file(path);
-  mrpt::serialization::CSerializable::Ptr object;
-  mrpt::serialization::archiveFrom(file) >> object;
-  return std::dynamic_pointer_cast<Observation>(object);
-}
-
-void expect_refused(const CObservation& obs, const std::vector<std::string>& words)
-{
-  SensorPoints points;
-  expect_error([&] { points_from_observation(obs, points); }, words);
 }
 
 }  // namespace

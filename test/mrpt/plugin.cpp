@@ -7,18 +7,8 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/rtti/CObject.h>
 #include <mrpt/system/os.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
-#include "comma_locale.h"
-#include "message_of.h"
-
-namespace fs = std::filesystem;
 using mrpt::maps::CMultiMetricMap;
-using talus::test::CommaLocale;
 
 namespace
 {
@@ -80,28 +70,4 @@ TEST(Plugin, loaded_by_mrpt_twice_it_gives_a_map_that_works_in_a_multi_map)
   const CMultiMetricMap copy(maps);
   EXPECT_EQ(terrain_maps(copy), 1);
   for (const auto& m : copy.maps) EXPECT_FALSE(m->isEmpty()) << m->GetRuntimeClass()->className;
-}
-
-TEST_F(CommaLocale, an_ini_file_gives_the_map_of_the_plugin_its_numbers)
-{
-  std::string errors;
-  ASSERT_TRUE(mrpt::system::loadPluginModules(TALUS_PLUGIN, errors)) << errors;
-  const fs::path ini =
-      fs::temp_directory_path() / ("talus_comma_" + std::to_string(getpid()) + ".ini");
-  std::ofstream(ini) << "[Maps]\nterrain_count = 1\n"
-                        "[Maps_terrain_00_creationOpts]\nresolution = 0.10\nwindow = 6.5\n"
-                        "[Maps_terrain_00_insertOpts]\nmin_height_m = -1.25\n"
-                        "[Maps_terrain_00_likelihoodOpts]\nsigma_m = 0.25\n"
-                        "[Maps_terrain_00_renderOpts]\nmaxCells = 12345\n";
-  mrpt::maps::TSetOfMetricMapInitializers definitions;
-  definitions.loadFromConfigFile(mrpt::config::CConfigFile(ini.string()), "Maps");
-  fs::remove(ini);
-  std::stringstream text;
-  definitions.dumpToTextStream(text);
-  for (const std::string line :
-       {"resolution = 0.1 m", "window     = 6.5 m", "= -1.25 m", "0.25", "12345"})
-    EXPECT_TRUE(has(text.str(), line)) << line << "\n" << text.str();
-  const CMultiMetricMap maps(definitions);
-  ASSERT_EQ(terrain_maps(maps), 1);
-  EXPECT_EQ(maps.maps.front()->asString(), "talus::CDualElevationMap, 6.5 x 6.5 m at 0.1 m, empty");
 }

@@ -141,16 +141,6 @@ TEST_F(StockApps, pf_localization_finds_the_robot_with_the_terrain_beside_the_gr
   expect_terrain_map("LOG_LOCALIZATION_000_0005000", "map_");
 }
 
-TEST_F(StockApps, observations2map_with_a_map_without_sections_takes_the_defaults_and_says_so)
-{
-  SKIP_WITHOUT("observations2map", kSimplemap);
-  talus::test::write_bytes(path("bare.ini"), "[MappingApplication]\nterrain_count = 1\n");
-  const auto map = talus::test::stock_dataset(kSimplemap);
-  EXPECT_EQ(run("observations2map", "bare.ini " + map + " out"), 0) << output;
-  EXPECT_TRUE(says("no section [MappingApplication_terrain_00_creationOpts]")) << output;
-  expect_terrain_map("", "out");
-}
-
 TEST_F(StockApps, observations2map_honours_the_options_of_the_file)
 {
   SKIP_WITHOUT("observations2map", kSimplemap);
@@ -248,18 +238,4 @@ TEST_F(StockApps, two_copies_of_the_plugin_make_one_map_and_say_which_counts)
   EXPECT_EQ(run("observations2map", arguments, 2), 0) << output;
   EXPECT_TRUE(says("that copy stays")) << output;
   expect_terrain_map("", "out");
-}
-
-TEST_F(StockApps, a_wrong_value_is_told_with_section_and_key)
-{
-  SKIP_WITHOUT("observations2map", kSimplemap);
-  talus::test::write_bytes(
-      path("wrong.ini"),
-      "[MappingApplication]\nterrain_count = 1\n"
-      "[MappingApplication_terrain_00_creationOpts]\nresolution = tiny\n");
-  const auto map = talus::test::stock_dataset(kSimplemap);
-  EXPECT_GT(run("observations2map", "wrong.ini " + map + " out"), 0) << "it ends itself\n"
-                                                                     << output;
-  EXPECT_TRUE(says("MappingApplication_terrain_00_creationOpts")) << output;
-  EXPECT_TRUE(says("tiny")) << output;
 }

@@ -12,7 +12,6 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 
 #include <cmath>
-#include <vector>
 
 #include "message_of.h"
 #include "streams.h"
@@ -193,24 +192,6 @@ TEST(WholeMap, writes_its_site_and_goes_on_with_it)
   EXPECT_THROW(next.loadSite((folder / "drive_site.tif").string()), std::logic_error);
   EXPECT_THROW(window.loadSite((folder / "drive_site.tif").string()), std::logic_error);
   EXPECT_THROW(keeper().loadSite((folder / "none.tif").string()), std::runtime_error);
-  fs::remove_all(folder);
-}
-
-TEST(WholeMap, that_was_driven_in_two_places_far_apart_is_saved_as_a_file_for_each)
-{
-  namespace fs = std::filesystem;
-  const fs::path folder = fs::path(testing::TempDir()) / "talus_whole_map_far";
-  fs::remove_all(folder);
-  fs::create_directories(folder);
-  CDualElevationMap map = keeper(), next = keeper();
-  drive(map, 0, 3);
-  drive(map, 2e5, 2e5 + 2);
-  ASSERT_TRUE(map.insertObservation(scan_at(0), CPose3D(2e5, 2e5, 0, 0, 0, 0)));
-  map.saveMetricMapRepresentationToFile((folder / "drive").string());
-  for (const char* name : {"drive.tif", "drive_site.tif", "drive_site_island_1.tif"})
-    EXPECT_TRUE(fs::exists(folder / name)) << name;
-  next.loadSite((folder / "drive_site.tif").string());
-  EXPECT_NEAR(at(next, Layer::Elevation, 0.05, 2.05), 0.5, 0.02);
   fs::remove_all(folder);
 }
 

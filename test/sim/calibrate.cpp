@@ -7,7 +7,6 @@
 #include <talus/sim/drive.h>
 
 #include <cmath>
-#include <random>
 
 #include "message_of.h"
 

@@ -64,20 +64,6 @@ TEST(Rivals, AllSeeABoxOnAFlatFloorAndThatTheFloorAwayFromItIsFree)
   }
 }
 
-TEST(Rivals, TheSameFramesGiveTheSameMap)
-{
-  for (const std::string& method : kRivals)
-  {
-    const std::vector<Points> frames{floor_with_box(), floor_at(0.03f), floor_with_box()};
-    const Surfaces a = after(method, frames), b = after(method, frames);
-    for (std::size_t i = 0; i < a.size(); ++i)
-    {
-      EXPECT_TRUE(a.ground_m[i] == b.ground_m[i] || !a.known(i)) << method << " " << i;
-      EXPECT_TRUE(a.traversability[i] == b.traversability[i] || !a.known(i)) << method << " " << i;
-    }
-  }
-}
-
 TEST(CuCppMap, JudgesHalfBySlopeAndHalfByRoughness)
 {
   Points ramp = floor_at(0);

@@ -2,9 +2,7 @@
 // what appears, vanishes or gives way.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "message_of.h"
 #include "sim_world.h"

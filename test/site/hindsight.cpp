@@ -4,12 +4,10 @@
 #include <talus/io/geotiff.h>
 #include <talus/site/site_mapper.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <map>
 #include <string>
-#include <vector>
 
 using namespace talus;
 using namespace talus::site;

@@ -113,11 +113,6 @@ TEST_F(Islands, and_floors_are_merged_with_what_they_belong_to)
   write_site_files(dir_ / "all.tif", "", merged);
   EXPECT_EQ(info_of_site(dir_ / "all.tif").floors, (std::vector<int>{0, 3}));
   EXPECT_EQ(info_of_site(dir_ / "all.tif").islands, 1U);
-  std::filesystem::remove(dir_ / "site_floor_3.tif");
-  Site none(kResolution_m, std::size_t{64} << 20, dir_ / "none");
-  talus::test::expect_error(
-      [&] { merge_sites({dir_ / "site.tif"}, none, 0); },
-      {"site_floor_3.tif: no such file", "first of 2 floors"});
 }
 
 TEST_F(Islands, are_none_of_long_drives_of_what_one_file_takes_and_of_unknown_tiles)

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "log_files.h"
@@ -17,17 +18,21 @@ namespace talus::test
 struct CommandEnd
 {
   int code = 0;
-  std::string text;  //!< of both streams
+  std::string out, err;
+  std::string text = out + err;
 
   bool says(const std::string& words) const { return text.find(words) != std::string::npos; }
 };
 
-/** Runs a command line of the shell in a folder. */
+/** Runs a command line of the shell in a folder, in which it leaves nothing of its own. */
 inline CommandEnd run_in(const std::string& folder, const std::string& command)
 {
-  const int status =
-      std::system(("cd '" + folder + "' && (" + command + ") >log.txt 2>&1").c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_bytes(folder + "/log.txt")};
+  const std::string out = folder + "/.out.txt", err = folder + "/.err.txt";
+  const int status = std::system(
+      ("cd '" + folder + "' && (" + command + ") >'" + out + "' 2>'" + err + "'").c_str());
+  CommandEnd end{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_bytes(out), read_bytes(err)};
+  for (const std::string& file : {out, err}) std::filesystem::remove(file);
+  return end;
 }
 
 /** It must have ended with this code, and said these words. */
@@ -37,10 +42,30 @@ inline void expect_end(const CommandEnd& end, int code, const std::vector<std::s
   for (const auto& word : words) EXPECT_SAYS(end.text, word);
 }
 
-/** A scratch folder in which commands of the shell run, and what they leave there. */
+/** A scratch folder in which a program and commands of the shell run, and what they leave there. */
 class CommandTest : public testing::Test
 {
  protected:
+  explicit CommandTest(std::string program = "") : program_(std::move(program)) {}
+
+  /** The program; `before` is put in front, e.g. "ulimit -f 1;". */
+  CommandEnd run(const std::string& arguments, const std::string& before = "") const
+  {
+    return shell(before + " " + command(arguments));
+  }
+  /** The same, which must succeed. */
+  CommandEnd runs(const std::string& arguments, const std::string& before = "") const
+  {
+    CommandEnd end = run(arguments, before);
+    EXPECT_EQ(end.code, 0) << arguments << "\n" << end.text;
+    return end;
+  }
+  void fails(
+      const std::string& arguments, int code, const std::vector<std::string>& words,
+      const std::string& before = "") const
+  {
+    expect_end(run(arguments, before), code, words);
+  }
   std::string path(const std::string& name = "") const { return dir_ / name; }
   CommandEnd shell(const std::string& command) const { return run_in(path(), command); }
   /** It must succeed. */
@@ -70,6 +95,13 @@ class CommandTest : public testing::Test
   }
 
   ScratchDir dir_;
+
+ private:
+  virtual std::string command(const std::string& arguments) const
+  {
+    return program_ + " " + arguments;
+  }
+  std::string program_;
 };
 
 }  // namespace talus::test

@@ -110,7 +110,7 @@ class HintDrive : public TalusMap
   /** Maps it; the causes that are told, with how often. */
   std::map<std::string, int> causes(const std::string& settings = "") const
   {
-    const Outcome done = run("drive.rawlog --no-site --output out " + settings);
+    const CommandEnd done = run("drive.rawlog --no-site --output out " + settings);
     EXPECT_EQ(done.code, 0) << done.err;
     return causes_in(done.err);
   }

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,22 @@ struct Points
 
   std::size_t size() const { return x.size(); }
 };
+
+/** A level floor 0.5 m below the scanner, so many tenths of a metre to each side. `timed`: each
+ * point has its time, of a turn of 0.1 s. */
+inline Points floor_points(int side_dm, bool timed = false)
+{
+  Points p;
+  for (int i = -side_dm; i <= side_dm; ++i)
+    for (int k = -side_dm; k <= side_dm; ++k)
+    {
+      p.x.push_back(0.1F * static_cast<float>(i) + 0.02F);
+      p.y.push_back(0.1F * static_cast<float>(k) + 0.02F);
+      p.z.push_back(-0.5F);
+      if (timed) p.time.push_back(1e-3F * static_cast<float>(i + side_dm));
+    }
+  return p;
+}
 
 /** As a number of the other byte order where `swapped`. */
 template <class T>
@@ -93,6 +111,19 @@ inline std::string pcd_ascii(const Points& p) { return pcd_header(p, "ascii") + 
 inline std::string pcd_binary(const Points& p, const std::string& viewpoint = "0 0 0 1 0 0 0")
 {
   return pcd_header(p, "binary", viewpoint) + records(p);
+}
+
+/** A folder of the same scan again and again, ten a second, and their times. */
+inline void write_scan_folder(
+    const std::filesystem::path& folder, const Points& scan, int count, double first_s)
+{
+  std::filesystem::create_directories(folder);
+  std::ofstream times(folder / "times.txt");
+  for (int i = 0; i < count; ++i)
+  {
+    std::ofstream(folder / (std::to_string(i) + ".pcd"), std::ios::binary) << pcd_binary(scan);
+    times << std::fixed << first_s + 0.1 * i << "\n";
+  }
 }
 
 /** LZF without any piece that is said twice. */

@@ -4,9 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <string>
-#include <tuple>
 
 namespace talus::test
 {

@@ -5,58 +5,21 @@
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationPointCloud.h>
-#include <sys/wait.h>
-
-#include <nlohmann/json.hpp>
 
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
-#include "log_files.h"
+#include "command_run.h"
 
 namespace talus::test
 {
 constexpr double kFirstStamp_s = 1700000000.0;
 constexpr double kSensorHeight_m = 0.5;
 
-/** The command's end: exit code, stdout, stderr. */
-struct Outcome
-{
-  int code = 0;
-  std::string out, err;
-
-  /** Whether stderr has the text. */
-  bool says(const std::string& text) const { return err.find(text) != std::string::npos; }
-};
-
-class TalusMap : public testing::Test
+class TalusMap : public CommandTest
 {
  protected:
-  std::string path(const std::string& name) const { return dir_ / name; }
-
-  /** Runs it within the scratch folder, on the CPU unless the arguments say otherwise; `before` is
-   * put in front, e.g. "ulimit -f 1;". */
-  Outcome run(const std::string& arguments, const std::string& before = "") const
-  {
-    const std::string out = path("stdout.txt"), err = path("stderr.txt");
-    const bool chosen = arguments.find("--backend") != std::string::npos;
-    const std::string command = "cd '" + path("") + "' && " + before + " '" + TALUS_MAP_EXE +
-                                (chosen ? "' " : "' --backend cpu ") + arguments + " >" + out +
-                                " 2>" + err;
-    const int status = std::system(command.c_str());
-    Outcome outcome{WEXITSTATUS(status), read_bytes(out), read_bytes(err)};
-    std::filesystem::remove(out);
-    std::filesystem::remove(err);
-    return outcome;
-  }
-
-  bool exists(const std::string& name) const { return std::filesystem::exists(path(name)); }
-
-  nlohmann::json summary(const std::string& folder) const
-  {
-    return nlohmann::json::parse(read_bytes(path(folder + "/summary.json")), nullptr, false);
-  }
+  nlohmann::json summary(const std::string& folder) const { return json(folder + "/summary.json"); }
 
   /** How many files and folders the scratch folder holds, hidden ones included. */
   std::size_t entries() const
@@ -67,7 +30,12 @@ class TalusMap : public testing::Test
   }
 
  private:
-  ScratchDir dir_;
+  /** On the CPU unless the arguments say otherwise. */
+  std::string command(const std::string& arguments) const override
+  {
+    const bool chosen = arguments.find("--backend") != std::string::npos;
+    return std::string(TALUS_MAP_EXE) + (chosen ? " " : " --backend cpu ") + arguments;
+  }
 };
 
 /** A level floor at z = 0 of the base, seen from kSensorHeight_m above it. */

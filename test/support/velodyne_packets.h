@@ -1,9 +1,17 @@
 #pragma once
-// Velodyne scans written byte by byte, so that a specification knows what each return must become.
+// Velodyne scans written byte by byte, so that a specification knows what each return must become;
+// observations out of logs, and those that are refused.
+#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
+#include <talus/mrpt/observation_points.h>
 
 #include <cstdint>
 #include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "log_files.h"
 
 namespace talus::test
 {
@@ -75,6 +83,23 @@ inline mrpt::obs::CObservationVelodyneScan empty_scan(
     writer.set_tail(static_cast<std::uint32_t>(p * packet_us), mode, model);
   }
   return scan;
+}
+
+/** The first of a log. */
+template <class Observation>
+std::shared_ptr<Observation> first_of(const std::string& path)
+{
+  mrpt::io::CFileGZInputStream file(path);
+  mrpt::serialization::CSerializable::Ptr object;
+  mrpt::serialization::archiveFrom(file) >> object;
+  return std::dynamic_pointer_cast<Observation>(object);
+}
+
+inline void expect_refused(
+    const mrpt::obs::CObservation& obs, const std::vector<std::string>& words)
+{
+  SensorPoints points;
+  expect_error([&] { points_from_observation(obs, points); }, words);
 }
 
 /** `lasers` lasers, all horizontal and without corrections. */
