@@ -4,6 +4,7 @@
 #include "export_formats.h"
 
 #include <talus/formats/page.h>
+#include <talus/formats/map_strips.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/map_picture.h>
 #include <talus/number_text.h>
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -27,38 +29,25 @@ using io::LayerStack;
 
 constexpr const char* kLessMap = "Cut out a part of the map with gdal_translate";
 
-/** One map, as far as a format shows it. */
-struct Map
+/** What a page shows: joined, as large as its limit lets it be. */
+LayerStack layers_of_page(const io::GeotiffFile& file, const ExportFormat& html)
 {
-  const io::GeotiffFile& file;
-  LayerStack layers;
-};
-
-/** What a format shows of it, and no more: a band of a large site takes a GB. */
-Map read_map(const std::string& path, const io::GeotiffFile& file, const ExportFormat& format)
-{
-  std::vector<std::string> bands = format.bands;
-  if (format.name == "html")
-    for (const std::string& name : channel_bands(file.bands())) bands.push_back(name);
-  Map map{file, file.read(bands)};
-  if (map.layers.layers.empty())
-    throw std::runtime_error(
-        path + ": has none of the bands of a map: give a map.tif or site.tif of talus-map");
-  try
-  {
-    require_sound_cells(map.layers);
-  }
-  catch (const std::runtime_error& e)
-  {
-    throw std::runtime_error(path + ": " + e.what());
-  }
-  return map;
+  std::vector<std::string> bands = html.bands;
+  for (const std::string& name : channel_bands(file.bands())) bands.push_back(name);
+  return MapStrips(file, bands).whole();
 }
 
-std::vector<std::vector<PagePoint>> ways_of(const Map& map)
+/** When its newest cell was seen; nothing where it does not say. */
+std::optional<double> seen_s(const io::GeotiffFile& file)
+{
+  const auto of_site = number_from(file.item("TALUS_SEEN_S"));
+  return of_site ? of_site : number_from(file.item("STAMP_S"));  // of a window
+}
+
+std::vector<std::vector<PagePoint>> ways_of(const io::GeotiffFile& file)
 {
   std::vector<std::vector<PagePoint>> ways;
-  for (const auto& way : site::ways_of_site(map.file))
+  for (const auto& way : site::ways_of_site(file))
   {
     auto& points = ways.emplace_back();
     for (const site::WayPoint& p : way) points.push_back({p.x_m, p.y_m, p.z_m});
@@ -66,52 +55,63 @@ std::vector<std::vector<PagePoint>> ways_of(const Map& map)
   return ways;
 }
 
+/** Changes of another site would be none of this one. */
+void require_common_place(const LayerStack& a, const LayerStack& b, const std::string& path)
+{
+  const auto apart = [](double a_m, double a_wide_m, double b_m, double b_wide_m)
+  { return a_m + a_wide_m <= b_m || b_m + b_wide_m <= a_m; };
+  if (apart(a.min_x_m, a.cells_x * a.resolution_m, b.min_x_m, b.cells_x * b.resolution_m) ||
+      apart(a.min_y_m, a.cells_y * a.resolution_m, b.min_y_m, b.cells_y * b.resolution_m))
+    throw std::runtime_error(path + ": lies elsewhere than this map: are these changes of it?");
+}
+
 void write_html(
-    const std::string& path, const Map& map, const std::string& title, const ExportOptions& o)
+    const std::string& path, const io::GeotiffFile& file, const ExportFormat& html,
+    const std::string& title, const ExportOptions& o)
 {
   PageOptions page;
   page.title = title;
-  for (const char* item : {"STAMP_S", "TALUS_SEEN_S"})  // of a window, of a site
-    if (const auto seen_s = number_from(map.file.item(item))) page.date = io::date_text(*seen_s);
-  page.ways = ways_of(map);
-  page.origin = map.file.origin();
+  if (const auto stamp_s = seen_s(file)) page.date = io::date_text(*stamp_s);
+  page.ways = ways_of(file);
+  page.origin = file.origin();
   page.max_bytes = o.max_mb << 20;
   LayerStack changes;
   if (!o.changes.empty())
   {
     changes = io::read_geotiff(o.changes);
+    require_common_place(file.frame(), changes, o.changes);
     page.changes = &changes;
   }
-  write_page(path, map.layers, page);
+  write_page(path, layers_of_page(file, html), page);
 }
 
 /** A note on it; "": none. */
 std::string write_as(
-    const std::string& format, const std::string& path, const Map& map, const FileOrigin& origin,
-    const std::string& title, const ExportOptions& o)
+    const std::string& format, const std::string& path, const io::GeotiffFile& file,
+    const MapStrips& m, const FileOrigin& origin, const ExportOptions& o)
 {
-  const LayerStack& m = map.layers;
   if (format == "octomap") return write_octomap(path, m, o.clearance_m, origin);
+  if (format == "gridmap") return write_grid_map(path, m, seen_s(file).value_or(0));
   if (format == "ros") write_ros_map(path, m, o.ros_mode, o.occupancy);
-  if (format == "occupancy") write_occupancy_grid(path, m, o.occupancy);
+  if (format == "occupancy") write_occupancy_grid(path, m, o.occupancy, origin);
   if (format == "ply") write_mesh(path, m, o.max_faces, origin);
   if (format == "heightmap") write_heightmap(path, m);
   if (format == "qgis") io::write_qgis_style(path);
-  if (format == "html") write_html(path, map, title, o);
   return "";
 }
 
 /** All files of a format, or none. */
 void write_or_report(
-    const ExportFormat& format, const std::string& path, const io::GeotiffFile& file,
-    const std::string& stem, const std::string& title, const ExportOptions& o, Exported& exported)
+    const ExportFormat& format, const io::GeotiffFile& file, const std::string& stem,
+    const std::string& title, const ExportOptions& o, Exported& exported)
 {
   const std::string written = stem + format.endings.front();
   try
   {
-    const Map map = read_map(path, file, format);
-    const FileOrigin origin = o.origin.value_or(origin_for(map.layers));
-    const std::string note = write_as(format.name, written, map, origin, title, o);
+    if (format.name == "html") return write_html(written, file, format, title, o);
+    const MapStrips map(file, format.bands);
+    const FileOrigin origin = o.origin.value_or(origin_for(map.frame()));
+    const std::string note = write_as(format.name, written, file, map, origin, o);
     if (!note.empty()) exported.notes.push_back(note);
     if (!o.origin && format.has_origin && (origin.x_m != 0 || origin.y_m != 0))
       exported.notes.push_back(
@@ -146,7 +146,7 @@ void export_file(
   {
     const io::GeotiffFile file(path);
     for (const ExportFormat& format : formats_of(o))
-      write_or_report(format, path, file, stem, title, o, exported);
+      write_or_report(format, file, stem, title, o, exported);
   }
   catch (const std::exception& e)
   {
@@ -202,10 +202,6 @@ CLI::Option* add_formats(
   for (const ExportFormat& format : export_formats()) names.push_back(format.name);
   return app.add_option(name, options.formats, help)
       ->delimiter(',')
-      ->check(
-          [](const std::string& format) {
-            return format == "gridmap" ? "gridmap: MRPT's occupancy grid is called occupancy" : "";
-          })
       ->check(CLI::IsMember(names))
       ->type_name("FORMAT,...");
 }

@@ -149,45 +149,46 @@ float nodata_of(GDALRasterBand& band, const std::string& path)
   return has_nodata ? nodata : std::numeric_limits<float>::quiet_NaN();
 }
 
-/** Some rows, the southernmost first; nothing where the file has no block of them. */
+/** Rows of the file, the northernmost first, as the last ones of a layer; nothing where it has no
+ * block of them. */
 void read_rows(
-    GDALRasterBand& band, int first, int count, std::vector<float>& cells, const std::string& path,
+    GDALRasterBand& band, int first, int count, float* last_row, const std::string& path,
     const GdalErrors& errors)
 {
-  const int nx = band.GetXSize(), ny = band.GetYSize();
+  const int nx = band.GetXSize();
   const int covered = band.GetDataCoverageStatus(0, first, nx, count, 0, nullptr);
   if (covered == GDAL_DATA_COVERAGE_STATUS_EMPTY) return;
-  const auto width = static_cast<std::size_t>(nx);
-  const auto row = static_cast<std::size_t>(ny - 1 - first), rows = static_cast<std::size_t>(count);
   const GSpacing pixel = sizeof(float), line = -pixel * nx;
-  float* const first_row = cells.data() + row * width;
   if (band.RasterIO(
-          GF_Read, 0, first, nx, count, first_row, nx, count, GDT_Float32, pixel, line, nullptr) !=
+          GF_Read, 0, first, nx, count, last_row, nx, count, GDT_Float32, pixel, line, nullptr) !=
       CE_None)
     fail(path, "cannot read this GeoTIFF", errors);
   const float nodata = nodata_of(band, path);
-  float* const from = first_row - (rows - 1) * width;
-  std::replace(from, from + rows * width, nodata, std::numeric_limits<float>::quiet_NaN());
+  std::replace(
+      last_row - std::ptrdiff_t{count - 1} * nx, last_row + nx, nodata,
+      std::numeric_limits<float>::quiet_NaN());
 }
 
-/** All bands of a block lie side by side in a site, and so are read together. */
+/** All bands of a block lie side by side in a site, and so are read together. `north`: the row of
+ * the file that is the last of the stack. */
 void read_layers(
-    const std::vector<GDALRasterBand*>& bands, LayerStack& stack, const std::string& path,
-    const GdalErrors& errors)
+    const std::vector<GDALRasterBand*>& bands, int north, LayerStack& stack,
+    const std::string& path, const GdalErrors& errors)
 {
   constexpr int kRows = 256;
   const GdalCacheLimit limit;
-  const auto cells =
-      static_cast<std::size_t>(stack.cells_x) * static_cast<std::size_t>(stack.cells_y);
+  const std::ptrdiff_t width = stack.cells_x;
   for (GDALRasterBand* band : bands)
   {
     nodata_of(*band, path);
     stack.names.emplace_back(band->GetDescription());
-    stack.layers.emplace_back(cells, std::numeric_limits<float>::quiet_NaN());
+    stack.layers.emplace_back(width * stack.cells_y, std::numeric_limits<float>::quiet_NaN());
   }
   for (int y = 0; y < stack.cells_y; y += kRows)
     for (std::size_t b = 0; b < bands.size(); ++b)
-      read_rows(*bands[b], y, std::min(kRows, stack.cells_y - y), stack.layers[b], path, errors);
+      read_rows(
+          *bands[b], north + y, std::min(kRows, stack.cells_y - y),
+          stack.layers[b].data() + (stack.cells_y - 1 - y) * width, path, errors);
 }
 }  // namespace
 
@@ -245,17 +246,33 @@ std::string GeotiffFile::item(const char* name) const
 
 std::optional<GeoOrigin> GeotiffFile::origin() const { return origin_from(item(kOriginItem)); }
 
-LayerStack GeotiffFile::read(const std::vector<std::string>& bands) const
+const std::string& GeotiffFile::path() const { return impl_->path; }
+
+LayerStack GeotiffFile::frame() const
 {
   require_plain_floats(*impl_->dataset, impl_->path);
-  LayerStack stack = place_of(*impl_->dataset, impl_->path, impl_->errors);
+  return place_of(*impl_->dataset, impl_->path, impl_->errors);
+}
+
+LayerStack GeotiffFile::read(const std::vector<std::string>& bands) const
+{
+  LayerStack stack = read(bands, 0, impl_->dataset->GetRasterYSize());
+  impl_->dataset->FlushCache();  // the file stays open, its blocks need not
+  return stack;
+}
+
+LayerStack GeotiffFile::read(const std::vector<std::string>& bands, int first_row, int rows) const
+{
+  LayerStack stack = frame();
+  const int north = stack.cells_y - first_row - rows;
+  stack.min_y_m += first_row * stack.resolution_m;
+  stack.cells_y = rows;
   std::vector<GDALRasterBand*> wanted;
   for (auto* band : impl_->dataset->GetBands())
     if (bands.empty() ||
         std::find(bands.begin(), bands.end(), band->GetDescription()) != bands.end())
       wanted.push_back(band);
-  read_layers(wanted, stack, impl_->path, impl_->errors);
-  impl_->dataset->FlushCache();  // the file stays open, its blocks need not
+  read_layers(wanted, north, stack, impl_->path, impl_->errors);
   return stack;
 }
 

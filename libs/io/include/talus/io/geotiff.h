@@ -39,8 +39,14 @@ class GeotiffFile
   std::string item(const char* name) const;
   /** Where the map is on Earth; nothing where it does not say. */
   std::optional<GeoOrigin> origin() const;
+  /** As it was given. */
+  const std::string& path() const;
+  /** Where it lies in the map frame, without layers. */
+  LayerStack frame() const;
   /** In the map frame. `bands`: of these names only, where they are there; empty: all. */
   LayerStack read(const std::vector<std::string>& bands = {}) const;
+  /** So many rows only; the southernmost is row 0. */
+  LayerStack read(const std::vector<std::string>& bands, int first_row, int rows) const;
 
  private:
   struct Impl;
