@@ -7,6 +7,7 @@
 #include <talus/io/atomic_file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <regex>
 #include <stdexcept>
@@ -52,10 +53,10 @@ bool is_part(const fs::path& name, const fs::path& sealed)
 }
 
 /** What of a run before would be taken for a part of the results. */
-std::vector<fs::path> outdated(const fs::path& hidden, const fs::path& seal)
+std::vector<fs::path> outdated(const fs::path& hidden, const std::set<std::string>& seals)
 {
   const fs::path folder = hidden.parent_path(), snapshots = "frames";
-  const bool has_site = fs::exists(hidden / "site.tif"), has_labels = seal == kLabelTable;
+  const bool has_site = fs::exists(hidden / "site.tif"), has_labels = seals.count(kLabelTable) > 0;
   const bool replaces_site = has_site && fs::exists(folder / "site.tif");
   std::vector<fs::path> old;
   std::error_code none;
@@ -70,7 +71,9 @@ std::vector<fs::path> outdated(const fs::path& hidden, const fs::path& seal)
       {
         const bool is_label = name.extension() == ".label" || name == kLabelledLog;
         return (has_site && is_site_file(name)) || (has_labels && is_label) ||
-               is_part(name, seal) ||
+               std::any_of(
+                   seals.begin(), seals.end(),
+                   [&](const std::string& seal) { return is_part(name, seal); }) ||
                (replaces_site && is_export(name) && name.extension() != ".qml");
       });
   static const std::regex snapshot("frame_[0-9]{6,}\\.(tif|png)");
@@ -137,22 +140,23 @@ std::string OutputFolder::shown(std::string error) const
   return error;
 }
 
-void OutputFolder::commit(const std::string& seal)
+void OutputFolder::commit(const std::set<std::string>& seals)
 {
   const io::FolderLock lock(folder_, io::FolderLock::IfTaken::Wait);  // one run after the other
   const fs::path hidden = hidden_->path();
   try
   {
-    if (!fs::exists(hidden / seal))
-      throw std::runtime_error((hidden / seal).string() + ": was not written");
+    for (const std::string& seal : seals)
+      if (!fs::exists(hidden / seal))
+        throw std::runtime_error((hidden / seal).string() + ": was not written");
     const std::vector<fs::path> files = files_below(hidden);
     for (const fs::path& file : files) make_room_for(folder_ / file);
-    const std::vector<fs::path> old = outdated(hidden, seal);
-    fs::remove(folder_ / seal);
+    const std::vector<fs::path> old = outdated(hidden, seals);
+    for (auto seal = seals.rbegin(); seal != seals.rend(); ++seal) fs::remove(folder_ / *seal);
     for (const fs::path& file : old) fs::remove(file);
     for (const fs::path& file : files)
-      if (file != seal) fs::rename(hidden / file, folder_ / file);
-    fs::rename(hidden / seal, folder_ / seal);
+      if (seals.count(file.string()) == 0) fs::rename(hidden / file, folder_ / file);
+    for (const std::string& seal : seals) fs::rename(hidden / seal, folder_ / seal);
   }
   catch (const std::exception& e)
   {

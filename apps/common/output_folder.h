@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,10 +32,12 @@ class OutputFolder
 
   /** Moves everything out of staging(); files of the same name are replaced, and what would be
    * taken for a part of the results, such as snapshots, floors and exports of a run before, is
-   * removed. `seal` is the file that says that the results are complete: it vanishes first and
-   * appears last, so that a run that is killed meanwhile leaves none. Throws std::runtime_error;
-   * before anything has changed where results cannot be replaced. */
-  void commit(const std::string& seal);
+   * removed. `seals` are the files that say that the results are complete: they vanish first, the
+   * last one before the others, and appear last, so that a run that is killed meanwhile leaves
+   * none. Throws std::runtime_error; before anything has changed where results cannot be replaced.
+   */
+  void commit(const std::set<std::string>& seals);
+  void commit(const std::string& seal) { commit(std::set<std::string>{seal}); }
 
  private:
   void remove_made_folders() noexcept;

@@ -40,6 +40,7 @@ constexpr const char* kFooter =
     "Formats (of SITE.tif, beside it or in --output):\n"
     "  ros        SITE.yaml and SITE.pgm for map_server and Nav2: free, occupied, unknown\n"
     "  occupancy  SITE.gridmap.gz, MRPT's COccupancyGridMap2D\n"
+    "  gridmap    SITE_gridmap.mcap, a bag with ANYbotics' grid_map_msgs/msg/GridMap\n"
     "  octomap    SITE.bt: ground and what stands on it occupied, the clearance above ground free\n"
     "  ply        SITE.ply: the ground as a coloured mesh, what stands as boxes\n"
     "  heightmap  SITE_height.png of 16 bit for Gazebo and game engines, and SITE_height.json\n"
@@ -86,9 +87,11 @@ void add_settings(CLI::App& app, Options& o)
          [&o](const std::vector<double>& at) {
            o.exports.origin = {at[0], at[1], at[2]};
          },
-         "ply, octomap: is taken off all coordinates [m] (default: whole kilometres from 8 km on)")
+         "occupancy, ply, octomap: is taken off all coordinates [m] (default: whole kilometres "
+         "from 8 km on)")
       ->expected(3)
       ->delimiter(',')
+      ->check(app::between(-1e9, 1e9))
       ->type_name("X,Y,Z");
   app::add_number(
       app, "--max-faces", o.exports.max_faces, 1000, 1'000'000'000, "N",
@@ -195,17 +198,19 @@ int export_all(const Options& o, const Folders& folders)
   return code;
 }
 
-/** Puts all files of a folder in their place, together. */
+/** Puts all files of a folder in their place: what lies beside a main file, such as the picture of
+ * a .yaml, before it. */
 void commit(const std::string& name, OutputFolder& folder, const Options& o)
 {
-  std::set<fs::path> files;
+  std::set<std::string> files;
   for (const auto& entry : fs::directory_iterator(folder.staging()))
-    if (entry.is_regular_file()) files.insert(entry.path().filename());
+    if (const auto file = entry.path().filename().string(); app::is_main_file(file))
+      files.insert(file);
   if (files.empty()) return;
-  folder.commit(files.begin()->string());
-  for (const fs::path& file : files)
-    if (!o.quiet && app::is_main_file(file.string()))
-      std::cout << "  wrote   " << (fs::path(name) / file).lexically_normal().string() << "\n";
+  folder.commit(files);
+  if (o.quiet) return;
+  for (const std::string& file : files)
+    std::cout << "  wrote   " << (fs::path(name) / file).lexically_normal().string() << "\n";
 }
 
 int run(const Options& o)
@@ -216,7 +221,7 @@ int run(const Options& o)
       folder = std::make_unique<OutputFolder>(folder_for(file, o));
   const auto work = [&] { return export_all(o, folders); };
   const int code = app::run_command_in_child(o.inputs.front(), kLessMemory, work, print_error);
-  if (app::stop_signal() == 0)
+  if (code <= 128)  // not stopped
     for (const auto& [name, folder] : folders) commit(name, *folder, o);
   return code;
 }

@@ -6,8 +6,6 @@
 #include "../common/progress_bar.h"
 #include "../common/run_app.h"
 
-#include <talus/number_text.h>
-
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
@@ -95,11 +93,8 @@ void require_no_old_poses(const std::string& tum)
 void tell(const Options& o, const ImportedLog& log)
 {
   std::cout << o.output << ": " << contents_text(log) << "\n";
-  if (log.poses.count)
-    std::cout << "  poses   " << log.poses.count << " of " << log.poses.source << ", over "
-              << talus::fixed_text(log.poses.length_m, 1) << " m\n";
-  else
-    std::cout << "  poses   none: talus-map needs --trajectory FILE, or --static\n";
+  std::cout << "  poses   " << poses_text(log)
+            << (log.poses.count ? "" : ": talus-map needs --trajectory FILE, or --static") << "\n";
   for (const auto& remark : log.remarks) std::cout << "  note    " << remark << "\n";
   for (const auto& warning : log.warnings) std::cout << "  warning " << warning << "\n";
 }

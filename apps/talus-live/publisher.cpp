@@ -2,6 +2,7 @@
 
 #include <mrpt/maps/CSimplePointsMap.h>
 #include <talus/formats/convert.h>
+#include <talus/formats/write.h>
 #include <talus/live/messages.h>
 
 #include <algorithm>
@@ -74,7 +75,8 @@ void Publisher::publish(DriveMap& map, const std::string& frame)
     cloud.z_m = copy(points.getPointsBufferRef_z());
     obstacles_.write(live::cloud_message(header, cloud));
   }
-  if (!layers_.empty()) grid_map_.write(live::grid_map_message(header, window, layers_));
+  if (!layers_.empty())
+    grid_map_.write(formats::grid_map_message(header.stamp_s, header.frame, window, layers_));
   note_pose(map.stamp_s(), map.base());
   whole_.update(
       map.site().tiles, map.floor(), map.window().window(),

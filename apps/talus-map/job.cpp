@@ -6,7 +6,6 @@
 
 #include <talus/import/scan_source.h>
 #include <talus/io/packed_log.h>
-#include <talus/number_text.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -48,12 +47,6 @@ bool is_importable(const std::string& path)
 
 constexpr const char* kHidden = ".talus-import";  // never a result
 
-std::string poses_text(const import::WrittenPoses& poses)
-{
-  if (poses.count == 0) return "no poses";
-  return std::to_string(poses.count) + (poses.count == 1 ? " pose" : " poses") + " of " +
-         poses.source + " over " + fixed_text(poses.length_m, 1) + " m";
-}
 /** Which values of points --channels wants, where --values does not say: a log keeps one of each
  * point. Throws std::runtime_error where it wants several. */
 std::string values_for(const Options& options)
@@ -182,7 +175,7 @@ SourceLog source_log(
   log.poses = made.poses.count ? made.poses.source : "";
   log.notes = made.remarks;
   log.warnings = made.warnings;
-  log.notes.insert(log.notes.begin(), contents_text(made) + "; " + poses_text(made.poses));
+  log.notes.insert(log.notes.begin(), contents_text(made) + "; " + poses_text(made));
   return log;
 }
 

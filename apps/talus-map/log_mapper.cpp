@@ -150,10 +150,10 @@ void LogMapper::run(const OnFrame& on_frame)
   show();
   if (run_.frames.empty()) explain_no_frames();
   if (options_.suggest) return;
-  if (notes_.has_rays) add_hints();
+  if (has_rays()) add_hints();
   require_points();
   require_channels_of_log();
-  if (site_) site_->finish(map_, run_, notes_.has_rays);
+  if (site_) site_->finish(map_, run_, has_rays());
   if (labels_) labels_->finish();
   add_warnings();
 }
@@ -180,13 +180,13 @@ bool LogMapper::take(const mrpt::obs::CObservation& obs)
 void LogMapper::note_points(const std::string& description)
 {
   notes_ = import::notes_from(description);
-  if (!notes_.has_rays)
+  if (notes_.pieces != import::Pieces::Scans && options_.robot_is_static)
+    throw std::runtime_error(
+        log_ +
+        ": is the map of a whole drive, in pieces: leave out --static, or say --clouds-in sensor "
+        "if it is one scan");
+  if (!has_rays())
   {
-    if (options_.robot_is_static)
-      throw std::runtime_error(
-          log_ +
-          ": is the map of a whole drive, in pieces: leave out --static, or say --clouds-in sensor "
-          "if it is one scan");
     Settings without_drops = settings_;
     without_drops.parameters.sparsity_range_m = 0;
     map_ = make_map(job_, without_drops);
@@ -287,7 +287,7 @@ void LogMapper::map_scan(const Frame& scan)
   const std::string& label = sensors_.labels()[scan.sensor];
   if (!scan.path.empty()) ++run_.frames_deskewed;
   ++run_.sensors[label];
-  if (notes_.has_rays || options_.suggest) hints_.add(scan, label, run_.frames.back());
+  if (has_rays() || options_.suggest) hints_.add(scan, label, run_.frames.back());
 }
 
 FrameReport LogMapper::map_frame(const Frame& frame)

@@ -60,6 +60,8 @@ class LogMapper
   const std::string& last_label() const { return last_label_; }
   /// @}
   const io::RunSummary& summary() const { return run_; }
+  /** What the log says of its points. */
+  const import::PointNotes& notes() const { return notes_; }
   /** Parameters that suit the log, once it was read. */
   std::vector<hints::Suggestion> suggest() const { return hints_.suggest(); }
   io::RunSummary& summary() { return run_; }
@@ -95,6 +97,7 @@ class LogMapper
   FrameReport map_frame(const Frame& frame);
   void add_warnings();
   void add_hints();
+  bool has_rays() const { return notes_.pieces != import::Pieces::Tiles; }
 
   const Job& job_;
   const Options& options_;

@@ -1,3 +1,4 @@
+#include "../common/import/import_log.h"
 #include "log_mapper.h"
 
 #include <mrpt/core/format.h>
@@ -94,10 +95,12 @@ std::string site_line(const io::SiteSummary& site)
   std::string where;
   if (site.floors > 1) where += mrpt::format(" on %d floors", site.floors);
   if (site.islands > 0) where += mrpt::format(" in %d places far apart", site.islands + 1);
+  const std::string way =
+      site.length_m > 0 ? mrpt::format(" along %.4g m of way", site.length_m) : "";
   return mrpt::format(
-      "%.4g m2 along %.4g m of way%s: %.1f %% measured, %.1f %% filled from two sides, %.1f %% "
+      "%.4g m2%s%s: %.1f %% measured, %.1f %% filled from two sides, %.1f %% "
       "from one, %.1f %% presumed",
-      site.area_m2, site.length_m, where.c_str(), 100 * static_cast<double>(c[1]) / all,
+      site.area_m2, way.c_str(), where.c_str(), 100 * static_cast<double>(c[1]) / all,
       100 * static_cast<double>(c[2]) / all, 100 * static_cast<double>(c[3]) / all,
       100 * static_cast<double>(c[4]) / all);
 }
@@ -130,15 +133,19 @@ std::string console_summary(const LogMapper& mapper)
   std::size_t skipped = 0;
   for (const auto& f : run.frames) ms.push_back(f.total_ms);
   for (const auto& entry : run.skipped) skipped += entry.second;
+  const bool has_poses = mapper.notes().pieces == import::Pieces::Scans;
+  const char* const unit = has_poses ? "frame" : import::name_of(mapper.notes().pieces);
   std::string text = mrpt::format(
-      "%s: %zu %s, %zu skipped, %.2f ms a frame (median; p99 %.2f) on %s\n", run.log.c_str(),
-      run.frames.size(), run.frames.size() == 1 ? "frame" : "frames", skipped,
-      io::quantile(ms, 0.5), io::quantile(ms, 0.99), run.backend.c_str());
+      "%s: %zu %s%s, %zu skipped, %.2f ms a %s (median; p99 %.2f) on %s\n", run.log.c_str(),
+      run.frames.size(), unit, run.frames.size() == 1 ? "" : "s", skipped, io::quantile(ms, 0.5),
+      unit, io::quantile(ms, 0.99), run.backend.c_str());
   for (std::size_t i = 0; i < run.imported.size(); ++i)
     text += (i == 0 ? "  import  " : "  note    ") + run.imported[i] + "\n";
-  text += "  poses   " + run.pose_source +
-          (run.frames_deskewed ? mrpt::format(", %zu frames deskewed", run.frames_deskewed) : "") +
-          "\n";
+  if (has_poses)
+    text +=
+        "  poses   " + run.pose_source +
+        (run.frames_deskewed ? mrpt::format(", %zu frames deskewed", run.frames_deskewed) : "") +
+        "\n";
   if (run.sensors.size() > 1) text += "  sensors " + counts(run.sensors) + "\n";
   text += "  points  " + points_line(run) + "\n";
   text += "  map     " + map_line(io::snapshot(mapper.map())) + "\n";

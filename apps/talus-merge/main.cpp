@@ -24,6 +24,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <regex>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -65,7 +66,9 @@ constexpr const char* kFooter =
     "  talus-merge --changes monday/site.tif friday/site.tif --output changes\n"
     "      changes/changes.tif and changes/changes.png: what was built, dug, removed, placed\n"
     "  talus-merge --align monday/site.tif friday/site.tif --output site.tif\n"
-    "      poses of the drives lie in frames that differ by up to 1.5 m, 7 degrees and any height\n"
+    "      poses of the drives lie in frames that differ by up to 1.5 m, 7 degrees and any height, "
+    "or\n"
+    "      by more, where both have seen much of what stands\n"
     "\nExit codes: 0 done, 1 an input or the output failed, 2 wrong usage, 128 + N stopped by "
     "signal "
     "N.";
@@ -281,16 +284,23 @@ void compare(const Options& o, const fs::path& to_folder)
   print_fits(alignments, {fit_of(*from, *to, 0)}, o);
 }
 
+/** Names that no other file of the set has. */
 void require_files_apart(const Options& o)
 {
+  static const std::regex map(".*\\.tiff?"), part(".*_(floor|island)_[0-9]+\\.tiff?");
+  const std::string name = name_of(o.output);
+  if (!std::regex_match(name, map) || std::regex_match(name, part))
+    throw std::runtime_error(
+        o.output +
+        ": call the map of all NAME.tif; NAME_floor_1.tif and NAME_island_1.tif are parts of " +
+        "another one");
   talus::io::require_replaceable(o.output);
   app::require_apart("", {way_file_of(o.output)}, o.inputs);
   if (o.picture.empty()) return;
   talus::io::require_replaceable(o.picture);
   app::require_apart("", {o.picture}, o.inputs);
-  if (app::is_same_file(o.picture, o.output))
-    throw std::runtime_error(
-        "'" + o.picture + "' is named for the map and for its picture; give two names");
+  if (fs::path(o.picture).extension() != ".png")
+    throw std::runtime_error(o.picture + ": call the picture NAME.png");
 }
 
 /** They stay: who knows whose they are. */

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 
 #include "apps/common/child_process.h"
@@ -69,7 +70,7 @@ struct Run
       fs::create_directories(file.parent_path());
       write_bytes(file.string(), bytes);
     }
-    output.commit("seal");
+    output.commit(std::set<std::string>{"map.tif", "seal"});
   }
 
  private:
@@ -123,6 +124,11 @@ char sign_of(const ScratchDir& dir, int nth)
   Files files = files_in(dir / "");
   EXPECT_EQ(files.count("out/frames/notes.txt"), 1U);
   const auto seal = files.find("out/seal");
+  const auto map = files.find("out/map.tif");
+  if (map != files.end())
+  {
+    EXPECT_EQ(map->second.back(), files["out/map.png"].back()) << "one pair, killed at " << nth;
+  }
   if (seal == files.end()) return '?';
   const char sign = seal->second.back();
   for (const auto& [name, bytes] : (sign == 'A' ? kFirst : kSecond).files())

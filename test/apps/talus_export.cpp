@@ -9,6 +9,9 @@
 #include <talus/io/geotiff.h>
 #include <talus/site/site_files.h>
 
+#include <array>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
@@ -49,8 +52,7 @@ const std::array<int, 3> kCounts{
 
 TEST_F(TalusExport, stock_programs_find_the_cells_of_the_map_in_each_format)
 {
-  fails("site.tif --to gridmap", 2, {"is called occupancy"});
-  runs("site.tif --to ros,occupancy,octomap,ply,heightmap,qgis,html --output a/b");
+  runs("site.tif --to ros,occupancy,gridmap,octomap,ply,heightmap,qgis,html --output a/b");
   for (const char* name : {"site_height.png", "site_height.json", "site.qml", "site.html"})
     EXPECT_TRUE(exists("a/b/" + std::string(name))) << name;
 
@@ -78,6 +80,21 @@ TEST_F(TalusExport, stock_programs_find_the_cells_of_the_map_in_each_format)
   mrpt::io::CFileGZInputStream stream(path("a/b/site.gridmap.gz"));
   mrpt::serialization::archiveFrom(stream) >> grid;
   EXPECT_EQ(counts(grid), kCounts);
+
+  const std::string bag = read_bytes(dir_ / "a/b/site_gridmap.mcap");
+  const auto row_index =
+      bag.find("row_index");  // of its first layer, then size, stride, offset, count
+  ASSERT_NE(row_index, std::string::npos);
+  std::array<std::uint32_t, 4> n_rows{};
+  const std::size_t numbers_at = row_index + 10 + 2;
+  std::memcpy(n_rows.data(), bag.data() + numbers_at, sizeof n_rows);
+  EXPECT_EQ(n_rows, (std::array<std::uint32_t, 4>{60, 60, 0, 60 * 40}));
+  float of_box = 1;  // (22, 12); its first cell is the north-easternmost
+  std::memcpy(&of_box, bag.data() + numbers_at + 4 * (4 + 2399 - (12 * 60 + 22)), sizeof of_box);
+  EXPECT_EQ(of_box, 0);
+  expect_end(
+      shell(TALUS_BIN "/talus-import a/b/site_gridmap.mcap --output no.rawlog"), 1,
+      {"grid_map_msgs/msg/GridMap"});
 
   const octomap::OcTree tree(path("a/b/site.bt"));
   int leaves = 0, voxels = 0;
@@ -178,6 +195,29 @@ TEST_F(TalusExport, on_a_full_disk_the_good_files_of_before_stay)
   }
 }
 
+TEST_F(TalusExport, that_is_stopped_leaves_a_picture_and_its_yaml_of_one_map)
+{
+  io::LayerStack map = small_terrain();
+  map.cells_y = 20;
+  for (auto& layer : map.layers) layer.resize(60 * 20);
+  map.min_x_m = 7;
+  io::write_geotiff(dir_ / "low.tif", map);
+  std::filesystem::create_directory(dir_ / "friday");
+  std::filesystem::rename(dir_ / "low.tif", dir_ / "friday/site.tif");
+  for (const std::string after_s : {"0.02", "0.08", "0.16", "0.3"})
+  {
+    runs("site.tif --to ros --output out");
+    const CommandEnd o = shell(
+        "timeout --preserve-status -s TERM " + after_s +
+        " " TALUS_EXPORT_EXE " friday/site.tif --to ros,ply,heightmap --output out");
+    const bool is_new = o.code == 0;
+    EXPECT_TRUE(is_new || o.code == 128 + 15) << o.code << o.text;
+    EXPECT_EQ(o.text.find("wrote") != std::string::npos, is_new) << o.text;
+    EXPECT_EQ(read_bytes(dir_ / "out/site.yaml").find("[7, 2, 0]") != std::string::npos, is_new);
+    EXPECT_EQ(read_bytes(dir_ / "out/site.pgm").find("60 20\n") != std::string::npos, is_new);
+  }
+}
+
 TEST_F(TalusExport, a_format_that_fails_costs_no_other_file)
 {
   io::LayerStack map = small_terrain();
@@ -195,6 +235,9 @@ TEST_F(TalusExport, says_what_is_wrong)
   fails("site.tif", 2, {"--to is required"});
   fails("site.tif --to rso", 2, {"rso", "ros"});
   fails("site.tif --to ros --changes c.tif", 2, {"--changes is shown by html only"});
+  for (const std::string origin : {"nan,0,0", "1e300,0,0", "0,0"})
+    fails("site.tif --to ply --origin " + origin, 2, {"--origin"});
+  fails("site.tif --to occupancy --origin 4000000.13,0,0", 1, {"borders of 32 bit", "--origin"});
   fails("none.tif --to ros", 1, {"none.tif", "no such file"});
   io::LayerStack other = small_terrain();
   other.names = {"a", "b", "c", "d"};
@@ -207,6 +250,10 @@ TEST_F(TalusExport, says_what_is_wrong)
     io::write_geotiff(dir_ / "high.tif", high);
     fails("high.tif --to ply", 1, {"high.tif", "'elevation' has the value", "make it anew"});
   }
+  io::LayerStack elsewhere = small_terrain();
+  elsewhere.min_x_m += 100;
+  io::write_geotiff(dir_ / "elsewhere.tif", elsewhere);
+  fails("site.tif --to html --changes elsewhere.tif", 1, {"elsewhere.tif", "lies elsewhere"});
   fails("site.tif --to html --changes site.tif", 1, {"'kind'", "changes.tif of talus-merge"});
   fails("site.tif --to ros --output site.tif/x", 1, {"site.tif"});
 }

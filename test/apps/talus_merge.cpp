@@ -154,7 +154,10 @@ TEST_F(TalusMerge, says_what_is_wrong_with_an_input_and_leaves_what_was_there)
   fails("a.tif --output site.tif --picture a.tif", 1, {"a.tif", "is an input"});
   write_map("in_way.gpkg", 1000, 0, 1.0F);
   fails("in_way.gpkg --output in.tif", 1, {"in_way.gpkg", "is an input"});
-  fails("a.tif --output new.tif --picture ./new.tif", 1, {"new.tif", "two names"});
+  for (const char* name : {"new.tif", "new.qml", "new_way.gpkg", "new_island_1.tif"})
+    fails("a.tif --output new.tif --picture " + std::string(name), 1, {name, "NAME.png"});
+  for (const char* name : {"new", "new.png", "new_island_1.tif", "new_floor_2.tif"})
+    fails("a.tif --output " + std::string(name), 1, {name, "call the map of all NAME.tif"});
   EXPECT_EQ(read_bytes(dir_ / "a.tif"), a);
   write_map("far.tif", 1000, 100'000, 1.0F);
   fails("--changes a.tif far.tif --output out", 1, {"no place in common"});

@@ -1,6 +1,8 @@
 // Maps of terrain as maps of MRPT and OctoMap: the same cells, places and heights.
 #include <gtest/gtest.h>
+#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/serialization/CArchive.h>
 #include <octomap/OcTree.h>
 #include <talus/formats/convert.h>
 #include <talus/formats/page.h>
@@ -133,6 +135,45 @@ TEST(Formats, far_coordinates_are_less_by_an_origin_that_is_named)
   ASSERT_TRUE(box);
   EXPECT_TRUE(tree.isNodeOccupied(box));
   EXPECT_SAYS(read_bytes(dir / "m.bt"), "# origin_m: 548000 4077000 0\n");
+  write_occupancy_grid(dir / "m.gz", map, {}, origin);
+  mrpt::maps::COccupancyGridMap2D grid;
+  mrpt::io::CFileGZInputStream stream(dir / "m.gz");
+  mrpt::serialization::archiveFrom(stream) >> grid;
+  EXPECT_EQ(grid.getSizeX(), 60U);
+  EXPECT_LT(grid.getPos(124.05F, -453.95F), 0.1F);
+}
+
+TEST(Formats, files_of_a_map_by_strips_are_those_of_the_whole)
+{
+  io::LayerStack map = small_terrain();
+  map.cells_y = 700;
+  map.resolution_m = 0.125;  // so that no number is rounded
+  for (auto& layer : map.layers)
+    while (layer.size() < 60U * 700U) layer.push_back(layer[layer.size() % 2391]);
+  const ScratchDir dir;
+  io::write_geotiff(dir / "map.tif", map);
+  const io::GeotiffFile file(dir / "map.tif");
+  const MapStrips whole(map), strips(file, map.names);
+  int count = 0;
+  strips.for_each([&](const Strip&) { ++count; });
+  EXPECT_EQ(count, 3);
+  const auto files = [&](const MapStrips& of)
+  {
+    write_mesh(dir / "fine.ply", of, 1'000'000);
+    write_mesh(dir / "coarse.ply", of, 10'000);
+    write_heightmap(dir / "height.png", of);
+    write_octomap(dir / "tree.bt", of, 0.6);
+    write_ros_map(dir / "map.yaml", of, RosMode::Trinary, {0, 0.5});
+    write_ros_map(dir / "map.yaml", of, RosMode::Scale, {});
+    write_grid_map(dir / "map.mcap", of, 1.5);
+    std::vector<std::string> bytes;
+    for (const char* name :
+         {"fine.ply", "coarse.ply", "height.png", "tree.bt", "map.pgm", "map_scale.png",
+          "map.mcap"})
+      bytes.push_back(read_bytes(dir / name));
+    return bytes;
+  };
+  EXPECT_TRUE(files(whole) == files(strips));
 }
 
 TEST(Formats, a_layer_that_is_missing_is_named)

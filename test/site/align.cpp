@@ -39,6 +39,12 @@ bool is_post(double x, double y, double at_x, double at_y)
 {
   return std::hypot(x - at_x, y - at_y) < 0.15;
 }
+double oblique_walls(double x, double y)
+{
+  const bool is_wall =
+      std::abs(0.9 * x + 0.44 * y - 1) < 0.12 || std::abs(0.3 * x - 0.95 * y) < 0.12;
+  return is_wall ? 1.2 : 0;
+}
 double posts(double x, double y)
 {
   return is_post(x, y, -2.3, 1.1) || is_post(x, y, 0.4, -1.7) || is_post(x, y, 2.9, 0.6) ||
@@ -74,8 +80,12 @@ class Align : public testing::Test
     const auto s = site();
     std::mt19937 random(seed);
     std::normal_distribution<double> noise(0, 0.003);
-    for (int i = -120; i < 120; ++i)
-      for (int k = -60; k < 60; ++k)
+    double middle_x_m = 0, middle_y_m = 0;
+    frame.undo(middle_x_m, middle_y_m);
+    const auto cell = [](double m) { return static_cast<int>(std::floor(m / kCell_m)); };
+    const int turned = std::abs(std::sin(frame.yaw_rad)) > 0.7 ? 60 : 0;
+    for (int i = cell(middle_x_m) - 120 + turned; i < cell(middle_x_m) + 120 - turned; ++i)
+      for (int k = cell(middle_y_m) - 60 - turned; k < cell(middle_y_m) + 60 + turned; ++k)
       {
         double x_m = (i + 0.5) * kCell_m, y_m = (k + 0.5) * kCell_m;
         frame.apply(x_m, y_m);
@@ -139,6 +149,32 @@ TEST_F(Align, drives_that_began_half_a_turn_apart_come_together)
     EXPECT_NEAR(std::cos(a.shift.yaw_rad - yaw_rad), 1, 1e-9);
     EXPECT_NEAR(a.shift.x_m, frame.x_m, 1e-9);
     EXPECT_NEAR(a.shift.y_m, frame.y_m, 1e-9);
+  }
+}
+
+TEST_F(Align, drives_that_began_elsewhere_come_together)
+{
+  write("a.tif", {level, posts}, 1);
+  for (const MapShift& frame : {MapShift{4.2, -2.1, 0.05, M_PI}, MapShift{-4.3, 2.2, 0, 0}})
+  {
+    write("b.tif", {level, posts}, 2, frame);
+    const Alignment a = aligned();
+    EXPECT_NEAR(std::cos(a.shift.yaw_rad - frame.yaw_rad), 1, 1e-9);
+    expect_near(
+        {a.shift.x_m, a.shift.y_m, a.shift.z_m, 0}, {frame.x_m, frame.y_m, frame.z_m, 0}, 1e-9);
+  }
+}
+
+TEST_F(Align, what_is_no_whole_cell_is_told_to_a_tenth_of_one)
+{
+  write("a.tif", {level, oblique_walls}, 1);
+  for (const MapShift& frame : {MapShift{0.123, -0.081, 0, 0}, MapShift{0.02, 0.017, 0, 0}})
+  {
+    write("b.tif", {level, oblique_walls}, 2, frame);
+    const Alignment a = aligned();
+    EXPECT_NEAR(a.shift.x_m + a.rest_x_m, frame.x_m, kCell_m / 10);
+    EXPECT_NEAR(a.shift.y_m + a.rest_y_m, frame.y_m, kCell_m / 10);
+    EXPECT_NEAR(a.shift.x_m / kCell_m, std::round(a.shift.x_m / kCell_m), 1e-9);
   }
 }
 

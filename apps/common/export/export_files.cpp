@@ -4,6 +4,7 @@
 #include "export_formats.h"
 
 #include <talus/formats/page.h>
+#include <talus/formats/map_strips.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/map_picture.h>
 #include <talus/number_text.h>
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -27,67 +29,30 @@ using io::LayerStack;
 
 constexpr const char* kLessMap = "Cut out a part of the map with gdal_translate";
 
-/** One map, as far as a format shows it. */
-struct Map
+/** A page reads it part by part. */
+PageMap page_map_of(const io::GeotiffFile& file, const LayerStack& frame)
 {
-  std::string path;
-  const io::GeotiffFile& file;
-  LayerStack layers;
-};
-
-void require_bands(const std::string& path, const std::vector<std::string>& bands)
-{
-  if (bands.empty())
-    throw std::runtime_error(
-        path + ": has none of the bands of a map: give a map.tif or site.tif of talus-map");
-}
-
-void require_sound_cells_of(const std::string& path, const LayerStack& cells)
-{
-  try
-  {
-    require_sound_cells(cells);
-  }
-  catch (const std::runtime_error& e)
-  {
-    throw std::runtime_error(path + ": " + e.what());
-  }
-}
-
-/** What a format shows of it, and no more: a band of a large site takes a GB. A page reads it
- * itself, part by part. */
-Map read_map(const std::string& path, const io::GeotiffFile& file, const ExportFormat& format)
-{
-  Map map{path, file, {}};
-  if (format.name == "html") return map;
-  map.layers = file.read(format.bands);
-  require_bands(path, map.layers.names);
-  require_sound_cells_of(path, map.layers);
-  return map;
-}
-
-/** Of these bands, as far as the file has them. */
-PageMap page_map_of(
-    const std::string& path, const io::GeotiffFile& file, const std::vector<std::string>& bands)
-{
-  PageMap map{file.place(), {}};
-  auto& names = map.place.names;
-  const auto is_other = [&](const std::string& name)
-  { return std::count(bands.begin(), bands.end(), name) == 0; };
-  names.erase(std::remove_if(names.begin(), names.end(), is_other), names.end());
-  map.read = [&file, path](int x, int y, int cells_x, int cells_y, const auto& wanted)
+  PageMap map{frame, {}};
+  map.read = [&file](int x, int y, int cells_x, int cells_y, const auto& wanted)
   {
     LayerStack part = file.read_part(x, y, cells_x, cells_y, wanted);
-    require_sound_cells_of(path, part);
+    require_sound_cells(part, file.path());
     return part;
   };
   return map;
 }
 
-std::vector<std::vector<PagePoint>> ways_of(const Map& map)
+/** When its newest cell was seen; nothing where it does not say. */
+std::optional<double> seen_s(const io::GeotiffFile& file)
+{
+  const auto of_site = number_from(file.item("TALUS_SEEN_S"));
+  return of_site ? of_site : number_from(file.item("STAMP_S"));  // of a window
+}
+
+std::vector<std::vector<PagePoint>> ways_of(const io::GeotiffFile& file)
 {
   std::vector<std::vector<PagePoint>> ways;
-  for (const auto& way : site::ways_of_site(map.file))
+  for (const auto& way : site::ways_of_site(file))
   {
     auto& points = ways.emplace_back();
     for (const site::WayPoint& p : way) points.push_back({p.x_m, p.y_m, p.z_m});
@@ -95,55 +60,65 @@ std::vector<std::vector<PagePoint>> ways_of(const Map& map)
   return ways;
 }
 
+/** Changes of another site would be none of this one. */
+void require_common_place(const LayerStack& a, const LayerStack& b, const std::string& path)
+{
+  const auto apart = [](double a_m, double a_wide_m, double b_m, double b_wide_m)
+  { return a_m + a_wide_m <= b_m || b_m + b_wide_m <= a_m; };
+  if (apart(a.min_x_m, a.cells_x * a.resolution_m, b.min_x_m, b.cells_x * b.resolution_m) ||
+      apart(a.min_y_m, a.cells_y * a.resolution_m, b.min_y_m, b.cells_y * b.resolution_m))
+    throw std::runtime_error(path + ": lies elsewhere than this map: are these changes of it?");
+}
+
 void write_html(
-    const std::string& path, const Map& map, std::vector<std::string> bands,
+    const std::string& path, const io::GeotiffFile& file, std::vector<std::string> bands,
     const std::string& title, const ExportOptions& o)
 {
   PageOptions page;
   page.title = title;
-  for (const char* item : {"STAMP_S", "TALUS_SEEN_S"})  // of a window, of a site
-    if (const auto seen_s = number_from(map.file.item(item))) page.date = io::date_text(*seen_s);
-  page.ways = ways_of(map);
-  page.origin = map.file.origin();
+  if (const auto stamp_s = seen_s(file)) page.date = io::date_text(*stamp_s);
+  page.ways = ways_of(file);
+  page.origin = file.origin();
   page.max_bytes = o.max_mb << 20;
-  for (const std::string& name : channel_bands(map.file.bands())) bands.push_back(name);
-  const PageMap shown = page_map_of(map.path, map.file, bands);
-  require_bands(map.path, shown.place.names);
+  for (const std::string& name : channel_bands(file.bands())) bands.push_back(name);
+  const PageMap shown = page_map_of(file, MapStrips(file, bands).frame());
   if (o.changes.empty()) return write_page(path, shown, page);
   const io::GeotiffFile changes(o.changes);
-  const PageMap of_changes = page_map_of(o.changes, changes, {"kind", "change_m"});
+  LayerStack frame = changes.frame();
+  frame.names = changes.bands();
+  const PageMap of_changes = page_map_of(changes, frame);
+  require_common_place(shown.place, of_changes.place, o.changes);
   page.changes = &of_changes;
   write_page(path, shown, page);
 }
 
 /** A note on it; "": none. */
 std::string write_as(
-    const ExportFormat& as, const std::string& path, const Map& map, const FileOrigin& origin,
-    const std::string& title, const ExportOptions& o)
+    const std::string& format, const std::string& path, const io::GeotiffFile& file,
+    const MapStrips& m, const FileOrigin& origin, const ExportOptions& o)
 {
-  const std::string& format = as.name;
-  const LayerStack& m = map.layers;
   if (format == "octomap") return write_octomap(path, m, o.clearance_m, origin);
+  if (format == "gridmap") return write_grid_map(path, m, seen_s(file).value_or(0));
   if (format == "ros") write_ros_map(path, m, o.ros_mode, o.occupancy);
-  if (format == "occupancy") write_occupancy_grid(path, m, o.occupancy);
+  if (format == "occupancy") write_occupancy_grid(path, m, o.occupancy, origin);
   if (format == "ply") write_mesh(path, m, o.max_faces, origin);
   if (format == "heightmap") write_heightmap(path, m);
   if (format == "qgis") io::write_qgis_style(path);
-  if (format == "html") write_html(path, map, as.bands, title, o);
   return "";
 }
 
 /** All files of a format, or none. */
 void write_or_report(
-    const ExportFormat& format, const std::string& path, const io::GeotiffFile& file,
-    const std::string& stem, const std::string& title, const ExportOptions& o, Exported& exported)
+    const ExportFormat& format, const io::GeotiffFile& file, const std::string& stem,
+    const std::string& title, const ExportOptions& o, Exported& exported)
 {
   const std::string written = stem + format.endings.front();
   try
   {
-    const Map map = read_map(path, file, format);
-    const FileOrigin origin = o.origin.value_or(origin_for(map.layers));
-    const std::string note = write_as(format, written, map, origin, title, o);
+    if (format.name == "html") return write_html(written, file, format.bands, title, o);
+    const MapStrips map(file, format.bands);
+    const FileOrigin origin = o.origin.value_or(origin_for(map.frame()));
+    const std::string note = write_as(format.name, written, file, map, origin, o);
     if (!note.empty()) exported.notes.push_back(note);
     if (!o.origin && format.has_origin && (origin.x_m != 0 || origin.y_m != 0))
       exported.notes.push_back(
@@ -178,7 +153,7 @@ void export_file(
   {
     const io::GeotiffFile file(path);
     for (const ExportFormat& format : formats_of(o))
-      write_or_report(format, path, file, stem, title, o, exported);
+      write_or_report(format, file, stem, title, o, exported);
   }
   catch (const std::exception& e)
   {
@@ -234,10 +209,6 @@ CLI::Option* add_formats(
   for (const ExportFormat& format : export_formats()) names.push_back(format.name);
   return app.add_option(name, options.formats, help)
       ->delimiter(',')
-      ->check(
-          [](const std::string& format) {
-            return format == "gridmap" ? "gridmap: MRPT's occupancy grid is called occupancy" : "";
-          })
       ->check(CLI::IsMember(names))
       ->type_name("FORMAT,...");
 }

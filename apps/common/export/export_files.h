@@ -17,7 +17,8 @@ struct ExportOptions
   formats::RosMode ros_mode = formats::RosMode::Trinary;
   formats::Occupancy occupancy{0.0, 0.5};
   double clearance_m = 0.6;
-  std::optional<formats::FileOrigin> origin;  //!< of ply and octomap; nothing: origin_for()
+  std::optional<formats::FileOrigin>
+      origin;  //!< of occupancy, ply and octomap; nothing: origin_for()
   std::size_t max_faces = 2'000'000, max_mb = 30;
 };
 

@@ -21,7 +21,10 @@ inline const std::vector<ExportFormat>& export_formats()
 {
   static const std::vector<ExportFormat> formats{
       {"ros", {".yaml", ".pgm", "_scale.png"}, {"traversability"}},
-      {"occupancy", {".gridmap.gz"}, {"traversability"}},
+      {"occupancy", {".gridmap.gz"}, {"traversability"}, true},
+      {"gridmap",
+       {"_gridmap.mcap"},
+       {"elevation", "ground_elevation", "traversability", "variance", "state"}},
       {"octomap", {".bt"}, {"traversability", "ground_elevation", "elevation", "state"}, true},
       {"ply", {".ply", "_mesh.json"}, {"traversability", "ground_elevation", "elevation"}, true},
       {"heightmap", {"_height.png", "_height.json"}, {"ground_elevation"}},

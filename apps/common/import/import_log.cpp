@@ -89,14 +89,16 @@ ImportedLog write_scans(
     const SourceOptions& o, const std::string& path, MergedSources& sources, PointNotes& notes,
     bool& is_again, const ImportProgress& progress)
 {
-  notes.has_rays = sources.has_rays();
+  notes.pieces = sources.pieces();
   RawlogWriter writer(path, notes);
   ImportedLog log;
+  log.pieces = notes.pieces;
   ImportedScan scan;
   bool loses_times = false;
   while (sources.next(scan))
   {
-    if (const auto* mounting = o.mounting_of(scan.sensor_label); mounting && notes.has_rays)
+    if (const auto* mounting = o.mounting_of(scan.sensor_label);
+        mounting && notes.pieces != Pieces::Tiles)
       scan.T_base_sensor = *mounting;
     if (!log.scans.count(scan.sensor_label)) warn_of_units(scan, log);
     writer.write(scan);
@@ -149,15 +151,29 @@ ImportedLog import_log(
   }
 }
 
+const char* name_of(Pieces pieces)
+{
+  return pieces == Pieces::Scans ? "scan" : pieces == Pieces::Tiles ? "tile" : "viewpoint";
+}
+
 std::string contents_text(const ImportedLog& log)
 {
   std::string text;
   for (const auto& [label, count] : log.scans)
-    text += (text.empty() ? "" : ", ") + counted(count, "scan") + " of " + label;
+    text += (text.empty() ? "" : ", ") + counted(count, name_of(log.pieces)) + " of " + label;
   text += ", " + counted(log.points, "point");
   if (log.not_finite)
     text += " (" + std::to_string(log.not_finite) + " more are not finite: left out)";
   return text;
+}
+
+std::string poses_text(const ImportedLog& log)
+{
+  const WrittenPoses& poses = log.poses;
+  if (poses.count == 0) return "no poses";
+  if (log.pieces != Pieces::Scans) return "no path of the robot";
+  return counted(poses.count, "pose") + " of " + poses.source + " over " +
+         fixed_text(poses.length_m, 1) + " m";
 }
 
 }  // namespace talus::import

@@ -36,6 +36,7 @@ struct ImportedLog
   std::size_t points = 0, not_finite = 0;  //!< that were kept, and left out
   double first_s = 0, last_s = 0;  //!< stamps of the first and the last scan
   WrittenPoses poses;
+  Pieces pieces = Pieces::Scans;  //!< what its scans are
   std::vector<std::string> remarks;  //!< of the sources, a sentence each without its full stop
   std::vector<std::string> warnings;  //!< of what would make the map wrong
 };
@@ -51,5 +52,11 @@ ImportedLog import_log(
 
 /** "2 scans of front, 1 scan of rear, 12 points (3 more are not finite: left out)". */
 std::string contents_text(const ImportedLog& log);
+
+/** Of one of them. */
+const char* name_of(Pieces pieces);
+
+/** "120 poses of drive.tum over 35.2 m" */
+std::string poses_text(const ImportedLog& log);
 
 }  // namespace talus::import

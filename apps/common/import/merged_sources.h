@@ -29,7 +29,10 @@ class MergedSources
   std::vector<std::string> remarks() const;
   std::vector<std::string> warnings() const;
   /** See ScanSource. */
-  bool has_rays() const { return sources_.size() != 1 || sources_[0].scans->has_rays(); }
+  Pieces pieces() const
+  {
+    return sources_.size() == 1 ? sources_[0].scans->pieces() : Pieces::Scans;
+  }
   bool wants(SourceOptions& options) const;
 
  private:

@@ -21,7 +21,9 @@ namespace
 {
 constexpr const char* kIntensitiesAre = "talus: the intensities of the points are ";
 constexpr const char* kStepsAre = "talus: the intensities of the points count in steps of ";
-constexpr const char* kNoRays = "talus: the points are those of a map, without rays";
+constexpr const char* kTiles = "talus: the points are those of a map, without rays";
+constexpr const char* kViewpoints =
+    "talus: the points are those of a map, by where they were seen from";
 constexpr const char* kFrom = " from ";
 constexpr double kMaxByte = 255;
 
@@ -126,7 +128,8 @@ struct RawlogWriter::Impl
     if (notes.step != 1 || notes.least != 0)
       comment.text +=
           kStepsAre + exact_number_text(notes.step) + kFrom + exact_number_text(notes.least) + "\n";
-    if (!notes.has_rays) comment.text += std::string(kNoRays) + "\n";
+    if (notes.pieces != Pieces::Scans)
+      comment.text += std::string(notes.pieces == Pieces::Tiles ? kTiles : kViewpoints) + "\n";
     if (!comment.text.empty()) log.write(comment);
   }
   void note_range(const ImportedScan& scan)
@@ -168,7 +171,8 @@ PointNotes notes_from(const std::string& comment)
   for (std::string line; std::getline(lines, line);)
   {
     if (auto name = rest(line, kIntensitiesAre); !name.empty()) notes.values = std::move(name);
-    if (line == kNoRays) notes.has_rays = false;
+    if (line == kTiles) notes.pieces = Pieces::Tiles;
+    if (line == kViewpoints) notes.pieces = Pieces::Viewpoints;
     const std::string steps = rest(line, kStepsAre);
     const auto from = steps.find(kFrom);
     if (from == std::string::npos) continue;

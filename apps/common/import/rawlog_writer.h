@@ -15,7 +15,7 @@ struct PointNotes
 {
   std::string values;  //!< the name of what the intensities are; "": intensities
   double step = 1, least = 0;  //!< value of a byte: least + step * byte
-  bool has_rays = true;  //!< see ScanSource
+  Pieces pieces = Pieces::Scans;  //!< what its scans are
   bool is_guess = true;  //!< step: the first scan shows it
   /** All that a byte can mean: "from 0 to 2400". */
   std::string range_text() const;

@@ -18,6 +18,7 @@ constexpr double kMargin_m = 3;  //!< more than maps are moved by
 constexpr int kWidest = 3000;  //!< pixels of a grid: 36 MB a layer
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMinHeight_m = 5e-4;  //!< less is no offset
+constexpr double kMinRest = 0.1;  //!< of a cell, of which to tell
 constexpr double kMinCells = 0.5;  //!< that no cell moves is no offset
 
 using site::MapShift;
@@ -158,6 +159,14 @@ Alignment aligned(const Map& map, const Reference& placed, double pixel_m)
   if (!r.overlaps) return a;
   a.shift = rounded(r.pose, box, map.resolution_m);
   a.untold = names_of(r.untold);
+  if (a.shift.yaw_rad != r.pose.turn_rad) return a;  // and moves as estimated
+  Pose fine = r.fine;
+  fine.v[2] = 0;
+  const MapShift estimate = fine.shift();
+  const double x_m = estimate.x_m - a.shift.x_m, y_m = estimate.y_m - a.shift.y_m;
+  if (std::hypot(x_m, y_m) < kMinRest * map.resolution_m) return a;
+  a.rest_x_m = x_m;
+  a.rest_y_m = y_m;
   return a;
 }
 

@@ -61,4 +61,41 @@ Pose best_nearby(const Task& task, const Pose& start, const Directions& along)
   return best;
 }
 
+std::vector<Pose> best_anywhere(const Task& task)
+{
+  constexpr double kQuarterTurn = 1.57079632679489661923, kRaster_m = 0.2;
+  constexpr double kMinMet = 0.3;  // share of what stands: less is chance
+  constexpr int kMaxSide = 1000;  // places along an axis
+  const Samples few = thinned(task.samples);
+  const Grid& grid = task.reference.grid();
+  const double side_m = grid.pixel_m * std::max(grid.width, grid.height);
+  const double step_m = std::max(kRaster_m, 2 * side_m / kMaxSide);
+  std::vector<Pose> best;
+  for (int turns = 0; turns < 4 && !few.standing.empty(); ++turns)
+  {
+    Pose pose;
+    pose.turn_rad = turns * kQuarterTurn;
+    Eigen::Vector2d middle(0, 0);
+    for (const StandingSample& sample : few.standing)
+      middle += pose.turned(sample.at_m) / static_cast<double>(few.standing.size());
+    double best_score = -1;
+    Eigen::Vector2d best_m(0, 0);
+    for (double x_m = grid.min_x_m; x_m < grid.min_x_m + side_m; x_m += step_m)
+      for (double y_m = grid.min_y_m; y_m < grid.min_y_m + side_m; y_m += step_m)
+      {
+        pose.v.head<2>() = Eigen::Vector2d(x_m, y_m) - middle;
+        double s = 0;
+        for (const StandingSample& sample : few.standing)
+          if (const double d = task.reference.near_m(pose.place(sample.at_m)); d < 2 * kSigma_m)
+            s += std::exp(-0.5 * d * d / (kSigma_m * kSigma_m));
+        if (s <= best_score) continue;
+        best_score = s;
+        best_m = pose.v.head<2>();
+      }
+    if (best_score > kMinMet * static_cast<double>(few.standing.size()))
+      best.push_back(first_pose(task, pose.turn_rad, best_m));
+  }
+  return best;
+}
+
 }  // namespace talus::align

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace talus::align
 {
@@ -29,6 +30,14 @@ cv::Mat1f smoothed(const cv::Mat1f& ground_m, double pixel_m)
   return smooth;
 }
 
+/** Nothing outside of the grid. */
+std::optional<double> nearest(const cv::Mat1f& field, const Grid& grid, const Eigen::Vector2d& at_m)
+{
+  const cv::Point2d p = grid.at(at_m.x(), at_m.y());
+  const int x = static_cast<int>(std::lround(p.x)), y = static_cast<int>(std::lround(p.y));
+  const bool inside = x >= 0 && y >= 0 && x < grid.width && y < grid.height;
+  return inside ? std::optional<double>(field(y, x)) : std::nullopt;
+}
 }  // namespace
 
 cv::Mat1f signed_distances_m(const cv::Mat1b& stands, double pixel_m)
@@ -40,6 +49,14 @@ cv::Mat1f signed_distances_m(const cv::Mat1b& stands, double pixel_m)
   cv::Mat1f distance = outside - 0.5F;  // the edge lies between two pixels
   cv::Mat1f(0.5F - inside).copyTo(distance, stands);
   return distance * pixel_m;
+}
+
+cv::Mat1f blurred_edges(const cv::Mat1b& stands)
+{
+  constexpr double kBlurred = 1.5;  // pixels
+  cv::Mat1f edges = stands;
+  cv::GaussianBlur(edges, edges, {}, kBlurred);
+  return edges;
 }
 
 FieldValue value_at(const cv::Mat1f& field, const Grid& grid, const Eigen::Vector2d& at_m)
@@ -61,7 +78,8 @@ Reference::Reference(const Sketch& sketch)
     : grid_(sketch.grid()),
       measured_m_(sketch.ground_m()),
       smooth_m_(smoothed(sketch.ground_m(), sketch.grid().pixel_m)),
-      distance_m_(signed_distances_m(sketch.stands(), sketch.grid().pixel_m))
+      distance_m_(signed_distances_m(sketch.stands(), sketch.grid().pixel_m)),
+      edges_(blurred_edges(sketch.stands()))
 {
 }
 
@@ -74,10 +92,12 @@ FieldValue Reference::ground(const Eigen::Vector2d& at_m) const
 
 double Reference::ground_as_measured(const Eigen::Vector2d& at_m) const
 {
-  const cv::Point2d p = grid_.at(at_m.x(), at_m.y());
-  const int x = static_cast<int>(std::lround(p.x)), y = static_cast<int>(std::lround(p.y));
-  const bool inside = x >= 0 && y >= 0 && x < grid_.width && y < grid_.height;
-  return inside ? measured_m_(y, x) : NAN;
+  return nearest(measured_m_, grid_, at_m).value_or(NAN);
+}
+
+double Reference::near_m(const Eigen::Vector2d& at_m) const
+{
+  return std::max(0.0, nearest(distance_m_, grid_, at_m).value_or(INFINITY));
 }
 
 FieldValue Reference::distance_m(const Eigen::Vector2d& at_m) const

@@ -20,22 +20,30 @@ FieldValue value_at(const cv::Mat1f& field, const Grid& grid, const Eigen::Vecto
 /** How far something stands; inside of it negative, to 0.15 m. */
 cv::Mat1f signed_distances_m(const cv::Mat1b& stands, double pixel_m);
 
+/** 1 inside of what stands, 0 outside, and between over some pixels. */
+cv::Mat1f blurred_edges(const cv::Mat1b& stands);
+
 /** What the maps that lie already tell. */
 class Reference
 {
  public:
   explicit Reference(const Sketch& sketch);
 
+  const Grid& grid() const { return grid_; }
   /** Height of the ground, smoothed against its noise; where it is level its slope is 0. */
   FieldValue ground(const Eigen::Vector2d& at_m) const;
   /** As it was measured, of the nearest pixel. */
   double ground_as_measured(const Eigen::Vector2d& at_m) const;
+  /** How far something stands from there, of the nearest pixel; infinite outside of the grid. */
+  double near_m(const Eigen::Vector2d& at_m) const;
+  /** As blurred_edges(). */
+  FieldValue edge(const Eigen::Vector2d& at_m) const { return value_at(edges_, grid_, at_m); }
   /** As signed_distances_m(); NaN outside of the grid. */
   FieldValue distance_m(const Eigen::Vector2d& at_m) const;
 
  private:
   Grid grid_;
-  cv::Mat1f measured_m_, smooth_m_, distance_m_;
+  cv::Mat1f measured_m_, smooth_m_, distance_m_, edges_;
 };
 
 /** A place of a map where the ground was measured. */
@@ -54,6 +62,13 @@ struct StandingSample
   Eigen::Vector2d normal;  //!< of the wall
 };
 
+/** A place of a map at the edge of what stands. */
+struct EdgeSample
+{
+  Eigen::Vector2d at_m;
+  double blurred;
+};
+
 /** What is looked for in the others, evenly thinned to some thousands. */
 struct Samples
 {
@@ -61,6 +76,7 @@ struct Samples
 
   std::vector<GroundSample> ground;
   std::vector<StandingSample> standing;
+  std::vector<EdgeSample> edges;
 };
 
 }  // namespace talus::align

@@ -22,35 +22,11 @@ constexpr double kMinGain = 0.01;
 constexpr double kHalfTurn = 3.14159265358979323846;
 constexpr double kMinStanding = 0.85;  //!< share that fits where a map lies right
 constexpr double kMinTurnGain = 0.1;  //!< of that share, by a turn
+constexpr double kMinSeen = 0.4;  //!< share of what stands that the others have seen elsewhere
+constexpr double kSureSeen = 0.6;  //!< of a fit that no other place is looked for
 /** A map is moved by whole pixels, without a turn, where it lies as well so but for this share of
  * its score. */
 constexpr double kSnapLoss = 0.01;
-
-/** Turned around the middle of what tells the position, that of what stands there, else of all
- * ground; `turn_rad` around the origin before. */
-Pose first_pose(const Task& task, double turn_rad)
-{
-  Pose pose;
-  pose.turn_rad = turn_rad;
-  std::vector<Eigen::Vector2d> places;
-  for (const StandingSample& s : task.samples.standing)
-    if (task.reference.distance_m(pose.place(s.at_m)).value < kReach_m)
-      places.push_back(pose.turned(s.at_m));
-  if (static_cast<double>(places.size()) < kMinInformation)
-  {
-    places.clear();
-    for (const GroundSample& s : task.samples.ground) places.push_back(pose.turned(s.at_m));
-  }
-  const double count = std::max<double>(1, static_cast<double>(places.size()));
-  Eigen::Vector2d middle(0, 0);
-  for (const Eigen::Vector2d& at_m : places) middle += at_m / count;
-  pose.middle = middle;
-  double square_m2 = 0;
-  for (const Eigen::Vector2d& at_m : places)
-    square_m2 += (at_m - pose.middle).squaredNorm() / count;
-  pose.lever_m = std::sqrt(std::max(1.0, square_m2));
-  return pose;
-}
 
 /** What the samples tell of (x, y, turn) where the height is free, in samples. */
 Eigen::Matrix3d information(const Task& task, const Pose& pose)
@@ -135,6 +111,31 @@ Pose clearly_better(const Task& task, Pose start, const Pose& found)
 }
 }  // namespace
 
+Pose first_pose(const Task& task, double turn_rad, const Eigen::Vector2d& by_m)
+{
+  Pose pose;
+  pose.turn_rad = turn_rad;
+  pose.v.head<2>() = by_m;
+  std::vector<Eigen::Vector2d> places;
+  for (const StandingSample& s : task.samples.standing)
+    if (task.reference.distance_m(pose.place(s.at_m)).value < kReach_m)
+      places.push_back(pose.turned(s.at_m));
+  if (static_cast<double>(places.size()) < kMinInformation)
+  {
+    places.clear();
+    for (const GroundSample& s : task.samples.ground) places.push_back(pose.turned(s.at_m));
+  }
+  const double count = std::max<double>(1, static_cast<double>(places.size()));
+  Eigen::Vector2d middle(0, 0);
+  for (const Eigen::Vector2d& at_m : places) middle += at_m / count;
+  pose.middle = middle;
+  double square_m2 = 0;
+  for (const Eigen::Vector2d& at_m : places)
+    square_m2 += (at_m - pose.middle).squaredNorm() / count;
+  pose.lever_m = std::sqrt(std::max(1.0, square_m2));
+  return pose;
+}
+
 double score(const Task& task, const Pose& pose, double sigma_m, double sigma_z_m)
 {
   const auto near = [](double deviations) { return std::exp(-0.5 * deviations * deviations); };
@@ -167,9 +168,13 @@ Height height_at(const Task& task, const Pose& pose)
 
 namespace
 {
-/** Of what stands where the others have seen the ground around: how much stands there in them, too.
- */
-double standing_share(const Task& task, const Pose& pose)
+/** How what stands meets what stands in the others. */
+struct Standing
+{
+  double seen;  //!< share around which the others have seen the ground
+  double same;  //!< of that: how much stands there in them, too; 1 where it is too little to tell
+};
+Standing standing_at(const Task& task, const Pose& pose)
 {
   constexpr double kAround_m = 0.3, kSame = 1.5;  // pixels
   double count = 0, same = 0;
@@ -185,7 +190,8 @@ double standing_share(const Task& task, const Pose& pose)
     ++count;
     same += std::abs(off_m) < kSame * task.pixel_m;
   }
-  return count < kMinInformation ? 1 : same / count;
+  const auto all = static_cast<double>(task.samples.standing.size());
+  return {count / std::max(1.0, all), count < kMinInformation ? 1 : same / count};
 }
 
 /** The whole pixels around, without a turn, that fit best; `found` where that is clearly better. */
@@ -216,9 +222,35 @@ Pose snapped(const Task& task, const Pose& found, const Directions& untold)
   return best;
 }
 
+/** Nearer than a cell: distances from whole cells draw to whole cells, blurred edges do not. */
+Pose by_edges(const Task& task, Pose pose, const Directions& untold)
+{
+  constexpr int kSteps = 5;
+  constexpr double kChanged = 0.3;  // of what stands: has come or gone
+  pose.v[2] = 0;
+  for (int step = 0; step < kSteps; ++step)
+  {
+    Eigen::Matrix2d squares = Eigen::Matrix2d::Identity() * 1e-9;
+    Eigen::Vector2d sum(0, 0);
+    for (const EdgeSample& s : task.samples.edges)
+    {
+      const FieldValue f = task.reference.edge(pose.place(s.at_m));
+      const double off = s.blurred - f.value;
+      if (!(std::abs(off) < kChanged)) continue;
+      squares += f.slope * f.slope.transpose();
+      sum += off * f.slope;
+    }
+    Eigen::Vector2d by_m = squares.ldlt().solve(sum);
+    for (const Eigen::Vector3d& d : untold) by_m -= by_m.dot(d.head<2>()) * d.head<2>();
+    if (!(by_m.norm() < task.pixel_m)) break;
+    pose.v.head<2>() += by_m;
+  }
+  return pose;
+}
+
 Registration registered_from(const Task& task, const Pose& start)
 {
-  Registration r{start, {}, height_at(task, start).count >= kMinGround};
+  Registration r{start, start, {}, height_at(task, start).count >= kMinGround};
   if (!r.overlaps) return r;
   Directions told;
   divide(information(task, start), told, r.untold);
@@ -233,24 +265,39 @@ Registration registered_from(const Task& task, const Pose& start)
     told.erase(loose, told.end());
   }
   r.pose = snapped(task, clearly_better(task, start, r.pose), r.untold);
+  r.fine = by_edges(task, r.pose, r.untold);
   return r;
 }
 }  // namespace
 
-/** Drives that began the other way round lie half a turn apart, or a quarter. */
+/** Drives that began the other way round lie half a turn apart, or a quarter; those that began
+ * elsewhere lie anywhere. Maps that share no ground as they lie may have none in common. */
 Registration registered(const Task& task)
 {
   Registration best = registered_from(task, first_pose(task, 0));
-  double share = best.overlaps ? standing_share(task, best.pose) : 0;
-  if (share > kMinStanding) return best;
-  for (const double turn_rad : {kHalfTurn, kHalfTurn / 2, -kHalfTurn / 2})
+  const bool shares_ground = best.overlaps;
+  Standing fit = shares_ground ? standing_at(task, best.pose) : Standing{0, 0};
+  const auto try_from = [&](const Pose& start, const auto& is_better)
   {
-    const Registration r = registered_from(task, first_pose(task, turn_rad));
-    const double its_share = r.overlaps && r.untold.empty() ? standing_share(task, r.pose) : 0;
-    if (its_share < std::max(kMinStanding, share + kMinTurnGain)) continue;
+    const Registration r = registered_from(task, start);
+    if (!r.overlaps || !r.untold.empty()) return;
+    const Standing its = standing_at(task, r.pose);
+    if (its.same < kMinStanding || !is_better(its)) return;
     best = r;
-    share = its_share;
-  }
+    fit = its;
+  };
+  if (fit.same <= kMinStanding)
+    for (const double turn_rad : {kHalfTurn, kHalfTurn / 2, -kHalfTurn / 2})
+      try_from(
+          first_pose(task, turn_rad),
+          [&](const Standing& its) { return its.same >= fit.same + kMinTurnGain; });
+  if (!shares_ground || (fit.same > kMinStanding && fit.seen > kSureSeen)) return best;
+  for (const Pose& start : best_anywhere(task))
+    try_from(
+        start,
+        [&](const Standing& its) {
+          return its.seen > kMinSeen && its.seen * its.same > fit.seen * fit.same + kMinSeen / 2;
+        });
   return best;
 }
 

@@ -32,6 +32,14 @@ struct Height
 };
 Height height_at(const Task& task, const Pose& pose);
 
+/** The places, anywhere in the reference, where most of what stands meets what stands there, one
+ * for each quarter turn; none where that is little. */
+std::vector<Pose> best_anywhere(const Task& task);
+
+/** Turned around the middle of what tells the position, that of what stands there, else of all
+ * ground; moved by `by_m` and turned by `turn_rad` around the origin before. */
+Pose first_pose(const Task& task, double turn_rad, const Eigen::Vector2d& by_m = {0, 0});
+
 /** The best place on a raster along `along`, up to 1.5 m and 7 degrees from `start`. */
 Pose best_nearby(const Task& task, const Pose& start, const Directions& along);
 
@@ -42,6 +50,7 @@ Pose refined(const Task& task, const Pose& start, const Directions& fixed);
 struct Registration
 {
   Pose pose;
+  Pose fine;  //!< of which `pose` is what moves whole pixels
   Directions untold;
   bool overlaps = true;
 };

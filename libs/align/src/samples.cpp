@@ -54,7 +54,9 @@ void look_around(const Sketch& sketch, StandingSample& sample)
 Samples::Samples(const Sketch& sketch)
 {
   const Grid& grid = sketch.grid();
+  constexpr float kNone = 0.02F;
   const cv::Mat1f distance_m = signed_distances_m(sketch.stands(), grid.pixel_m);
+  const cv::Mat1f blurred = blurred_edges(sketch.stands());
   for (int y = 0; y < grid.height; ++y)
     for (int x = 0; x < grid.width; ++x)
     {
@@ -63,9 +65,11 @@ Samples::Samples(const Sketch& sketch)
       if (!std::isnan(height_m)) ground.push_back({{at.x, at.y}, height_m});
       if (sketch.stands()(y, x))
         standing.push_back({{at.x, at.y}, distance_m(y, x), false, {0, 0}});
+      if (blurred(y, x) > kNone) edges.push_back({{at.x, at.y}, blurred(y, x)});
     }
   thin(ground);
   thin(standing);
+  thin(edges);
   for (StandingSample& s : standing) look_around(sketch, s);
 }
 

@@ -25,7 +25,7 @@ struct Island
 class Islands
 {
  public:
-  Islands(const io::LayerStack& map, const std::vector<Kind>& kinds)
+  Islands(const io::LayerStack& map, const Kinds& kinds)
       : width_(map.cells_x), height_(map.cells_y), kinds_(kinds), is_taken_(kinds.size())
   {
   }
@@ -69,29 +69,33 @@ class Islands
   }
 
   int width_, height_;
-  const std::vector<Kind>& kinds_;
+  const Kinds& kinds_;
   std::vector<bool> is_taken_;
 };
 }  // namespace
 
-std::vector<Kind> kinds_of(const io::LayerStack& map, const Occupancy& o)
+Kinds kinds_of(const MapStrips& map, const Occupancy& o)
 {
-  const auto& score = needed_layer(map, Layer::Traversability);
-  std::vector<Kind> kinds;
-  kinds.reserve(score.size());
-  for (const float t : score)
-    kinds.push_back(
-        std::isnan(t)                 ? Kind::Unknown
-        : is_blocked(t, o.blocked_at) ? Kind::Blocked
-                                      : Kind::Free);
+  const io::LayerStack& frame = map.frame();
+  Kinds kinds(frame);
+  std::size_t count = 0;
+  map.for_each(
+      [&](const Strip& strip)
+      {
+        for (const float t : needed_layer(strip.map, Layer::Traversability))
+          kinds.set(
+              count++, std::isnan(t)                 ? Kind::Unknown
+                       : is_blocked(t, o.blocked_at) ? Kind::Blocked
+                                                     : Kind::Free);
+      });
   if (o.close_islands_m <= 0) return kinds;
-  Islands islands(map, kinds);
+  Islands islands(frame, kinds);
   for (std::size_t first = 0; first < kinds.size(); ++first)
   {
     if (!islands.begins_at(first)) continue;
-    const Island island = islands.take(first, o.close_islands_m / map.resolution_m);
+    const Island island = islands.take(first, o.close_islands_m / frame.resolution_m);
     for (const std::size_t i : island.cells)
-      kinds[i] = island.touches_blocked ? Kind::Blocked : Kind::Unknown;
+      kinds.set(i, island.touches_blocked ? Kind::Blocked : Kind::Unknown);
   }
   return kinds;
 }

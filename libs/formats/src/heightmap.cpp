@@ -19,15 +19,19 @@ constexpr int kMaxPixels = 4097;
 constexpr float kWhite = 65535;
 
 /** The rectangle of cells whose ground is known; its rows count from the south. */
-cv::Rect known_cells(const io::LayerStack& map)
+cv::Rect known_cells(const MapStrips& map)
 {
-  const auto& ground = needed_layer(map, Layer::GroundElevation);
   cv::Rect box;
-  for_each_cell(
-      map,
-      [&](std::size_t i, int ix, int iy)
+  map.for_each(
+      [&](const Strip& strip)
       {
-        if (!std::isnan(ground[i])) box |= cv::Rect(ix, iy, 1, 1);
+        const auto& ground = needed_layer(strip.map, Layer::GroundElevation);
+        for_each_cell(
+            strip,
+            [&](std::size_t i, int ix, int iy)
+            {
+              if (!std::isnan(ground[i])) box |= cv::Rect(ix, strip.first_row + iy, 1, 1);
+            });
       });
   return box;
 }
@@ -42,16 +46,20 @@ int side_for(int cells)
 
 /** The ground of a square whose south-west cell is `corner`, as a picture: its first row is the
  * northernmost. NaN where it is unknown. */
-cv::Mat1f square_of(const io::LayerStack& map, const cv::Point& corner, int side)
+cv::Mat1f square_of(const MapStrips& map, const cv::Point& corner, int side)
 {
-  const auto& ground = needed_layer(map, Layer::GroundElevation);
   cv::Mat1f square(side, side, std::numeric_limits<float>::quiet_NaN());
-  for_each_cell(
-      map,
-      [&](std::size_t i, int ix, int iy)
+  map.for_each(
+      [&](const Strip& strip)
       {
-        const int x = ix - corner.x, y = iy - corner.y;
-        if (x >= 0 && y >= 0 && x < side && y < side) square(side - 1 - y, x) = ground[i];
+        const auto& ground = needed_layer(strip.map, Layer::GroundElevation);
+        for_each_cell(
+            strip,
+            [&](std::size_t i, int ix, int iy)
+            {
+              const int x = ix - corner.x, y = strip.first_row + iy - corner.y;
+              if (x >= 0 && y >= 0 && x < side && y < side) square(side - 1 - y, x) = ground[i];
+            });
       });
   return square;
 }
@@ -84,21 +92,21 @@ std::string json_of(const HeightmapPlace& p)
 }
 }  // namespace
 
-HeightmapPlace write_heightmap(const std::string& path, const io::LayerStack& map)
+HeightmapPlace write_heightmap(const std::string& path, const MapStrips& map)
 {
   cv::Rect box;
-  const auto fits = [&box](const io::LayerStack& m)
+  const auto fits = [&box](const MapStrips& m)
   {
     box = known_cells(m);
     return std::max(box.width, box.height) <= kMaxPixels;
   };
-  io::LayerStack coarse;
-  const io::LayerStack& shown = joined_until(fits, map, coarse);
+  const MapStrips joined = joined_until(fits, map);
+  const io::LayerStack& shown = joined.frame();
   if (box.empty()) throw std::runtime_error(path + ": the ground of no cell is known");
   HeightmapPlace place;
   const int side = place.side_pixels = side_for(std::max(box.width, box.height));
   const cv::Point corner(box.x - (side - box.width) / 2, box.y - (side - box.height) / 2);
-  cv::Mat1f square = square_of(shown, corner, side);
+  cv::Mat1f square = square_of(joined, corner, side);
   fill_from_nearest(square);
   double lowest = 0, highest = 0;
   cv::minMaxLoc(square, &lowest, &highest);

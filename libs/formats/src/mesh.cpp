@@ -52,45 +52,48 @@ struct Mesh
 };
 
 /** Two triangles between four neighbours whose ground is known, and ten of what stands on one. */
-std::size_t most_faces(const io::LayerStack& map)
+std::size_t max_faces_of(const MapStrips& map)
 {
-  const Heights h(map);
   std::size_t faces = 0;
-  for (std::size_t i = 0; i < h.ground.size(); ++i)
-    faces += (std::isnan(h.ground[i]) ? 0U : 2U) + (h.stands(i) ? 10U : 0U);
+  map.for_each(
+      [&](const Strip& strip)
+      {
+        const Heights h(strip.map);
+        for (std::size_t i = 0; i < h.ground.size(); ++i)
+          faces += (std::isnan(h.ground[i]) ? 0U : 2U) + (h.stands(i) ? 10U : 0U);
+      });
   return faces;
 }
 
-void add_ground(const io::LayerStack& map, Mesh& mesh)
+/** Vertices of the strip, and faces between them and the row below, whose vertices `row` has. */
+void add_ground(const Strip& strip, std::vector<std::int32_t>& row, Mesh& mesh)
 {
-  const Heights h(map);
-  const auto& score = needed_layer(map, Layer::Traversability);
-  std::vector<std::int32_t> vertex(h.ground.size(), kNone);
+  const Heights h(strip.map);
+  const auto& score = needed_layer(strip.map, Layer::Traversability);
+  std::int32_t beside = kNone, below_beside = kNone;
   for_each_cell(
-      map,
+      strip,
       [&](std::size_t i, int ix, int iy)
       {
-        if (std::isnan(h.ground[i])) return;
-        vertex[i] = mesh.add_vertex(
-            middle_x_m(map, ix), middle_y_m(map, iy), h.ground[i], io::score_colour(score[i]));
-      });
-  const auto row = static_cast<std::size_t>(map.cells_x);
-  for_each_cell(
-      map,
-      [&](std::size_t i, int ix, int iy)
-      {
-        if (ix + 1 >= map.cells_x || iy + 1 >= map.cells_y) return;
-        const std::int32_t a = vertex[i], b = vertex[i + 1], c = vertex[i + row + 1],
-                           d = vertex[i + row];
-        if (a == kNone || b == kNone || c == kNone || d == kNone) return;
-        mesh.add_face(a, b, c);
-        mesh.add_face(a, c, d);
+        std::int32_t& vertex = row[static_cast<std::size_t>(ix)];
+        const std::int32_t below = vertex;
+        vertex = std::isnan(h.ground[i]) ? kNone
+                                         : mesh.add_vertex(
+                                               middle_x_m(strip.map, ix), middle_y_m(strip.map, iy),
+                                               h.ground[i], io::score_colour(score[i]));
+        if (ix > 0 && std::min({below_beside, below, vertex, beside}) != kNone)
+        {
+          mesh.add_face(below_beside, below, vertex);
+          mesh.add_face(below_beside, vertex, beside);
+        }
+        below_beside = below;
+        beside = vertex;
       });
 }
 
 /** What stands on a cell is a box: its top, and its sides as far as nothing beside it is as high.
  */
-void add_standing(const io::LayerStack& map, Mesh& mesh)
+void add_standing(const Strip& strip, Mesh& mesh)
 {
   struct Corner
   {
@@ -99,10 +102,11 @@ void add_standing(const io::LayerStack& map, Mesh& mesh)
   constexpr std::array<Corner, 4> kCorners{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
   constexpr std::array<Corner, 4> kBeside{
       {{0, -1}, {1, 0}, {0, 1}, {-1, 0}}};  // of corner and next
+  const io::LayerStack& map = strip.map;
   const Heights h(map);
   const double half_m = map.resolution_m / 2;
   for_each_cell(
-      map,
+      strip,
       [&](std::size_t i, int ix, int iy)
       {
         if (!h.stands(i)) return;
@@ -145,18 +149,21 @@ std::string head_of(const Mesh& mesh)
 }  // namespace
 
 void write_mesh(
-    const std::string& path, const io::LayerStack& map, std::size_t max_faces,
-    const FileOrigin& origin)
+    const std::string& path, const MapStrips& map, std::size_t max_faces, const FileOrigin& origin)
 {
-  const auto fits = [max_faces](const io::LayerStack& m)
-  { return most_faces(m) <= max_faces || m.cells_x <= 1 || m.cells_y <= 1; };
-  io::LayerStack coarse;
-  const io::LayerStack& shown = joined_until(fits, map, coarse);
+  const auto fits = [max_faces](const MapStrips& m)
+  { return m.frame().cells_x <= 1 || m.frame().cells_y <= 1 || max_faces_of(m) <= max_faces; };
+  const MapStrips shown = joined_until(fits, map);
   Mesh mesh(origin);
-  add_ground(shown, mesh);
-  add_standing(shown, mesh);
+  std::vector<std::int32_t> row(static_cast<std::size_t>(shown.frame().cells_x), kNone);
+  shown.for_each([&](const Strip& strip) { add_ground(strip, row, mesh); });
+  shown.for_each([&](const Strip& strip) { add_standing(strip, mesh); }, 1);
   if (mesh.vertex_count == 0) throw std::runtime_error(path + ": no cell of the map is known");
-  io::write_file(path, head_of(mesh) + mesh.vertices + mesh.faces);
+  io::AtomicFile file(path);
+  file.write(head_of(mesh));
+  file.write(mesh.vertices);
+  file.write(mesh.faces);
+  file.commit();
   std::string list = text_of(origin);
   std::replace(list.begin(), list.end(), ' ', ',');
   io::write_file(

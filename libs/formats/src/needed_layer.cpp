@@ -18,7 +18,7 @@ const std::vector<float>& needed_layer(const io::LayerStack& map, Layer layer)
       "': give a map.tif or site.tif of talus-map, or a site of talus-merge");
 }
 
-void require_sound_cells(const io::LayerStack& map)
+void require_sound_cells(const io::LayerStack& map, const std::string& path)
 {
   constexpr float kHighest_m = 1e6F, kLastState = kCellStates - 1;
   const auto require = [&](Layer layer, float least, float most)
@@ -28,7 +28,7 @@ void require_sound_cells(const io::LayerStack& map)
     for (const float v : *values)
       if (v < least || v > most)
         throw std::runtime_error(
-            std::string("its band '") + layer_name(layer) + "' has the value " + number_text(v) +
+            path + ": its band '" + layer_name(layer) + "' has the value " + number_text(v) +
             ", which no map has: copy it again, or make it anew");
   };
   require(Layer::GroundElevation, -kHighest_m, kHighest_m);

@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/formats/map_strips.h>
 #include <talus/formats/write.h>
 #include <talus/io/layer_stack.h>
 #include <talus/layers.h>
@@ -38,6 +39,15 @@ void for_each_cell(const io::LayerStack& map, F f)
     for (int ix = 0; ix < map.cells_x; ++ix) f(i++, ix, iy);
 }
 
+/** The same of a strip, without its margins. */
+template <class F>
+void for_each_cell(const Strip& strip, F f)
+{
+  std::size_t i = static_cast<std::size_t>(strip.begin) * strip.map.cells_x;
+  for (int iy = strip.begin; iy < strip.end; ++iy)
+    for (int ix = 0; ix < strip.map.cells_x; ++ix) f(i++, ix, iy);
+}
+
 /** Whether a cell whose traversability is known is occupied. */
 inline bool is_blocked(float traversability, double blocked_at)
 {
@@ -54,22 +64,15 @@ inline double middle_y_m(const io::LayerStack& map, int iy)
   return map.min_y_m + (iy + 0.5) * map.resolution_m;
 }
 
-/** A map with 2 x 2 cells joined into one: the mean of known heights, the least traversability and
- * sparsity, the greatest of all else. Its cells lie at whole multiples of their size from the
- * corner of `map`. */
+/** See MapStrips::joined(). */
 io::LayerStack joined_cells(const io::LayerStack& map);
 
-/** A map with its cells joined until fits(map) holds: itself, or `coarse`, which this fills. */
+/** A map with its cells joined until fits(map) holds. */
 template <class F>
-const io::LayerStack& joined_until(const F& fits, const io::LayerStack& map, io::LayerStack& coarse)
+MapStrips joined_until(const F& fits, MapStrips map)
 {
-  const io::LayerStack* shown = &map;
-  while (!fits(*shown))
-  {
-    coarse = joined_cells(*shown);
-    shown = &coarse;
-  }
-  return *shown;
+  while (!fits(map)) map = map.joined();
+  return map;
 }
 
 /** "548000 4076000 0" */

@@ -43,27 +43,32 @@ class Column
 };
 
 /** Whether a tree of such voxels reaches all that is known. */
-bool reaches_all(const io::LayerStack& map, double clearance_m, const FileOrigin& o)
+bool reaches_all(const MapStrips& map, double clearance_m, const FileOrigin& o)
 {
   constexpr double kFarthest_voxels = 32766;  // of 32768: where voxels and cells are cut apart
-  const Heights h(map);
   double farthest_m = 0;
-  for_each_cell(
-      map,
-      [&](std::size_t i, int ix, int iy)
+  map.for_each(
+      [&](const Strip& strip)
       {
-        if (std::isnan(h.ground[i])) return;
-        const double low_m = h.ground[i] - o.z_m, high_m = low_m + clearance_m;
-        for (const double m :
-             {middle_x_m(map, ix) - o.x_m, middle_y_m(map, iy) - o.y_m, low_m, high_m,
-              h.stands(i) ? h.top[i] - o.z_m : high_m})
-          farthest_m = std::max(farthest_m, std::abs(m));
+        const Heights h(strip.map);
+        for_each_cell(
+            strip,
+            [&](std::size_t i, int ix, int iy)
+            {
+              if (std::isnan(h.ground[i])) return;
+              const double low_m = h.ground[i] - o.z_m, high_m = low_m + clearance_m;
+              for (const double m :
+                   {middle_x_m(strip.map, ix) - o.x_m, middle_y_m(strip.map, iy) - o.y_m, low_m,
+                    high_m, h.stands(i) ? h.top[i] - o.z_m : high_m})
+                farthest_m = std::max(farthest_m, std::abs(m));
+            });
       });
-  return farthest_m < kFarthest_voxels * map.resolution_m;
+  return farthest_m < kFarthest_voxels * map.frame().resolution_m;
 }
 
-void fill(const io::LayerStack& map, double clearance_m, const FileOrigin& o, octomap::OcTree& out)
+void fill_strip(const Strip& strip, double clearance_m, const FileOrigin& o, octomap::OcTree& out)
 {
+  const io::LayerStack& map = strip.map;
   const Heights h(map);
   const auto& state = needed_layer(map, Layer::State);
   const auto& score = needed_layer(map, Layer::Traversability);
@@ -74,7 +79,7 @@ void fill(const io::LayerStack& map, double clearance_m, const FileOrigin& o, oc
   };
   const float occupied = out.getClampingThresMaxLog(), free = out.getClampingThresMinLog();
   for_each_cell(
-      map,
+      strip,
       [&](std::size_t i, int ix, int iy)
       {
         if (std::isnan(h.ground[i]) || is_guess(i)) return;
@@ -85,6 +90,11 @@ void fill(const io::LayerStack& map, double clearance_m, const FileOrigin& o, oc
           column.set(ground_m + map.resolution_m, ground_m + clearance_m, free);
         column.set(ground_m, h.stands(i) ? h.top[i] - o.z_m : ground_m, occupied);
       });
+}
+
+void fill(const MapStrips& map, double clearance_m, const FileOrigin& o, octomap::OcTree& out)
+{
+  map.for_each([&](const Strip& strip) { fill_strip(strip, clearance_m, o, out); });
   out.updateInnerOccupancy();
   out.prune();
 }
@@ -96,22 +106,21 @@ void to_octomap(const io::LayerStack& map, double clearance_m, octomap::OcTree& 
 }
 
 std::string write_octomap(
-    const std::string& path, const io::LayerStack& map, double clearance_m,
-    const FileOrigin& origin)
+    const std::string& path, const MapStrips& map, double clearance_m, const FileOrigin& origin)
 {
-  io::LayerStack coarse;
-  const io::LayerStack& shown = joined_until(
-      [&](const io::LayerStack& m) { return reaches_all(m, clearance_m, origin); }, map, coarse);
-  octomap::OcTree tree(shown.resolution_m);
+  const MapStrips shown =
+      joined_until([&](const MapStrips& m) { return reaches_all(m, clearance_m, origin); }, map);
+  octomap::OcTree tree(shown.frame().resolution_m);
   fill(shown, clearance_m, origin, tree);
   std::ostringstream stream;
   if (!tree.writeBinaryConst(stream)) throw std::runtime_error(path + ": OctoMap cannot write it");
   std::string bytes = stream.str();
   if (moves(origin)) bytes.insert(bytes.find('\n') + 1, "# origin_m: " + text_of(origin) + "\n");
   io::write_file(path, bytes);
-  if (&shown == &map) return "";
-  return path + ": its voxels are " + number_text(shown.resolution_m) + " m wide, not " +
-         number_text(map.resolution_m) +
+  const double made_m = shown.frame().resolution_m, resolution_m = map.frame().resolution_m;
+  if (made_m == resolution_m) return "";
+  return path + ": its voxels are " + number_text(made_m) + " m wide, not " +
+         number_text(resolution_m) +
          " m: a tree of OctoMap reaches 32768 voxels from its origin, and no farther";
 }
 

@@ -33,12 +33,15 @@ cv::Vec4b scaled(Kind kind, float traversability)
   return {p, p, p, 255};
 }
 
-std::string pgm_of(const io::LayerStack& map, const std::vector<Kind>& kinds)
+/** Some rows at once: of a large map they are as large as the map. */
+void write_pgm(const std::string& path, const io::LayerStack& map, const Kinds& kinds)
 {
+  constexpr std::size_t kAtOnce = 1 << 20;
+  io::AtomicFile file(path);
   std::string bytes =
       "P5\n" + std::to_string(map.cells_x) + " " + std::to_string(map.cells_y) + "\n255\n";
-  bytes.reserve(bytes.size() + kinds.size());
   for (int iy = map.cells_y - 1; iy >= 0; --iy)  // its first row is the northernmost
+  {
     for (int ix = 0; ix < map.cells_x; ++ix)
     {
       const Kind kind = kinds[static_cast<std::size_t>(iy) * map.cells_x + ix];
@@ -47,16 +50,29 @@ std::string pgm_of(const io::LayerStack& map, const std::vector<Kind>& kinds)
           : kind == Kind::Free  ? kFree
                                 : kOccupied);
     }
-  return bytes;
+    if (bytes.size() < kAtOnce && iy > 0) continue;
+    file.write(bytes);
+    bytes.clear();
+  }
+  file.commit();
 }
 
-cv::Mat4b picture_of(const io::LayerStack& map, const std::vector<Kind>& kinds)
+cv::Mat4b picture_of(const MapStrips& map, const Kinds& kinds)
 {
-  const auto& t = needed_layer(map, Layer::Traversability);
-  cv::Mat4b picture(map.cells_y, map.cells_x);
-  for_each_cell(
-      map, [&](std::size_t i, int ix, int iy)
-      { picture(map.cells_y - 1 - iy, ix) = scaled(kinds[i], t[i]); });
+  const io::LayerStack& frame = map.frame();
+  cv::Mat4b picture(frame.cells_y, frame.cells_x);
+  map.for_each(
+      [&](const Strip& strip)
+      {
+        const auto& t = needed_layer(strip.map, Layer::Traversability);
+        const std::size_t before = static_cast<std::size_t>(strip.first_row) * frame.cells_x;
+        for_each_cell(
+            strip,
+            [&](std::size_t i, int ix, int iy) {
+              picture(frame.cells_y - 1 - strip.first_row - iy, ix) =
+                  scaled(kinds[before + i], t[i]);
+            });
+      });
   return picture;
 }
 
@@ -80,18 +96,18 @@ std::string yaml_of(const io::LayerStack& map, const std::string& picture, RosMo
 }
 }  // namespace
 
-std::vector<std::int8_t> ros_cells(const io::LayerStack& map, const Occupancy& o)
+std::vector<std::int8_t> ros_cells(const MapStrips& map, const Occupancy& o)
 {
-  std::vector<std::int8_t> cells;
-  for (const Kind kind : kinds_of(map, o))
-    cells.push_back(kind == Kind::Unknown ? -1 : kind == Kind::Free ? 0 : 100);
+  const Kinds kinds = kinds_of(map, o);
+  std::vector<std::int8_t> cells(kinds.size());
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    cells[i] = kinds[i] == Kind::Unknown ? -1 : kinds[i] == Kind::Free ? 0 : 100;
   return cells;
 }
 
-void write_ros_map(
-    const std::string& path, const io::LayerStack& map, RosMode mode, const Occupancy& o)
+void write_ros_map(const std::string& path, const MapStrips& map, RosMode mode, const Occupancy& o)
 {
-  const std::vector<Kind> kinds = kinds_of(map, o);
+  const Kinds kinds = kinds_of(map, o);
   std::filesystem::path picture = path;
   // Beside a map its .png is the picture of it that talus-map wrote.
   picture.replace_extension();
@@ -99,8 +115,8 @@ void write_ros_map(
   if (mode == RosMode::Scale)
     io::write_png(picture.string(), picture_of(map, kinds));
   else
-    io::write_file(picture.string(), pgm_of(map, kinds));
-  io::write_file(path, yaml_of(map, picture.filename().string(), mode));
+    write_pgm(picture.string(), map.frame(), kinds);
+  io::write_file(path, yaml_of(map.frame(), picture.filename().string(), mode));
 }
 
 }  // namespace talus::formats

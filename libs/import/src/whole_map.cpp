@@ -43,7 +43,10 @@ class WholeMap : public ScanSource
   }
   io::Trajectory poses() override;
   std::vector<std::string> remarks() const override { return remarks_; }
-  bool has_rays() const override { return !cloud_.seen_from_m.empty(); }
+  Pieces pieces() const override
+  {
+    return cloud_.seen_from_m.empty() ? Pieces::Tiles : Pieces::Viewpoints;
+  }
 
  private:
   void move_by(const CPose3D& T_map_cloud);

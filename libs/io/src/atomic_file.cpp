@@ -58,7 +58,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(follow_links(path))
 void AtomicFile::write(std::string_view bytes)
 {
   errno = 0;
-  std::FILE* f = std::fopen(temporary_path_.c_str(), "wb");
+  std::FILE* f = std::fopen(temporary_path_.c_str(), "ab");
   const bool written = f && std::fwrite(bytes.data(), 1, bytes.size(), f) == bytes.size();
   const bool closed = f && std::fclose(f) == 0;
   if (!written || !closed) fail(path_, errno ? errno : EIO);

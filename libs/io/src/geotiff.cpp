@@ -175,13 +175,12 @@ void read_layers(
 {
   constexpr int kRows = 256;
   const GdalCacheLimit limit;
-  const auto cells =
-      static_cast<std::size_t>(stack.cells_x) * static_cast<std::size_t>(stack.cells_y);
+  const std::ptrdiff_t width = stack.cells_x;
   for (GDALRasterBand* band : bands)
   {
     nodata_of(*band, path);
     stack.names.emplace_back(band->GetDescription());
-    stack.layers.emplace_back(cells, std::numeric_limits<float>::quiet_NaN());
+    stack.layers.emplace_back(width * stack.cells_y, std::numeric_limits<float>::quiet_NaN());
   }
   for (int north = stack.cells_y; north > 0; north -= kRows)
   {
@@ -249,27 +248,26 @@ std::string GeotiffFile::item(const char* name) const
 
 std::optional<GeoOrigin> GeotiffFile::origin() const { return origin_from(item(kOriginItem)); }
 
-LayerStack GeotiffFile::place() const
+const std::string& GeotiffFile::path() const { return impl_->path; }
+
+LayerStack GeotiffFile::frame() const
 {
   require_plain_floats(*impl_->dataset, impl_->path);
-  LayerStack stack = place_of(*impl_->dataset, impl_->path, impl_->errors);
-  stack.names = bands();
-  return stack;
+  return place_of(*impl_->dataset, impl_->path, impl_->errors);
 }
 
 LayerStack GeotiffFile::read(const std::vector<std::string>& bands) const
 {
-  const LayerStack whole = place();
+  const LayerStack whole = frame();
   return read_part(0, 0, whole.cells_x, whole.cells_y, bands);
 }
 
 LayerStack GeotiffFile::read_part(
     int x, int y, int cells_x, int cells_y, const std::vector<std::string>& bands) const
 {
-  LayerStack stack = place();
+  LayerStack stack = frame();
   if (x < 0 || y < 0 || cells_x > stack.cells_x - x || cells_y > stack.cells_y - y)
     throw std::invalid_argument(impl_->path + ": has no such part");
-  stack.names.clear();
   stack.cells_x = cells_x;
   stack.cells_y = cells_y;
   stack.min_x_m += x * stack.resolution_m;

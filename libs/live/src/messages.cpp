@@ -1,5 +1,5 @@
 #include <mrpt/poses/CPose3DQuat.h>
-#include <talus/live/cdr_writer.h>
+#include <cdr_writer.h>
 #include <talus/live/messages.h>
 
 #include <algorithm>
@@ -13,6 +13,8 @@ namespace talus::live
 {
 namespace
 {
+using io::CdrWriter;
+
 void put_time(CdrWriter& out, double stamp_s)
 {
   constexpr std::int64_t kSecond_ns = 1000000000;
@@ -135,44 +137,6 @@ std::string path_message(const Header& header, const std::vector<std::pair<doubl
     put_header(out, {stamp_s, header.frame});
     put_pose(out, pose);
   }
-  return out.bytes();
-}
-
-std::string grid_map_message(
-    const Header& header, const io::LayerStack& map, const std::vector<std::string>& layers)
-{
-  const auto columns = static_cast<std::uint32_t>(map.cells_y),
-             rows = static_cast<std::uint32_t>(map.cells_x);
-  const double length_x_m = map.cells_x * map.resolution_m,
-               length_y_m = map.cells_y * map.resolution_m;
-  CdrWriter out;
-  put_header(out, header);
-  for (const double number : {map.resolution_m, length_x_m, length_y_m}) out.put(number);
-  put_pose(out, CPose3D(map.min_x_m + length_x_m / 2, map.min_y_m + length_y_m / 2, 0, 0, 0, 0));
-  out.put(static_cast<std::uint32_t>(layers.size()));
-  for (const auto& name : layers) out.text(name);
-  out.put(std::uint32_t{0});  // basic layers
-  out.put(static_cast<std::uint32_t>(layers.size()));
-  for (const auto& name : layers)
-  {
-    const auto at = std::find(map.names.begin(), map.names.end(), name);
-    if (at == map.names.end()) throw std::runtime_error("the map has no layer '" + name + "'");
-    // Its rows begin at the far end of x, its columns at that of y, and columns follow each other:
-    // all cells from the last one on.
-    const auto& from = map.layers[static_cast<std::size_t>(at - map.names.begin())];
-    const std::vector<float> turned(from.rbegin(), from.rend());
-    out.put(std::uint32_t{2});
-    out.text("column_index");
-    out.put(columns);
-    out.put(rows * columns);
-    out.text("row_index");
-    out.put(rows);
-    out.put(rows);
-    out.put(std::uint32_t{0});
-    out.sequence(turned.data(), turned.size());
-  }
-  out.put(std::uint16_t{0});
-  out.put(std::uint16_t{0});
   return out.bytes();
 }
 

@@ -10,7 +10,7 @@
 #include <set>
 #include <stdexcept>
 
-#include <talus/live/cdr_writer.h>
+#include <cdr_writer.h>
 #include "raw_type.h"
 
 namespace talus::live
@@ -268,7 +268,7 @@ std::vector<Offer> Participant::offers()
 
 std::string Participant::Impl::nodes_message() const
 {
-  CdrWriter out;
+  io::CdrWriter out;
   const auto put = [&](const Gid& id) { out.raw(id + std::string(gid_bytes - id.size(), '\0')); };
   const auto put_all = [&](const std::set<Gid>& ids)
   {

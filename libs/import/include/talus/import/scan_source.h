@@ -36,6 +36,14 @@ struct ImportedScan
 
 struct SourceOptions;
 
+/** What the scans of a source are. */
+enum class Pieces
+{
+  Scans,  //!< of a sensor
+  Viewpoints,  //!< the points of a map, by where they were seen from
+  Tiles  //!< the points of a map, cut into tiles; neither rays nor poses tell anything
+};
+
 /** Scans in the order of time [of one sensor], one at a time: a source holds one in memory. */
 class ScanSource
 {
@@ -59,8 +67,8 @@ class ScanSource
   /** What would make the map wrong; otherwise as remarks(). */
   virtual std::vector<std::string> warnings() const { return {}; }
 
-  /** False: the points of a map, cut into pieces; neither rays nor poses tell anything. */
-  virtual bool has_rays() const { return true; }
+  /** What its scans are. */
+  virtual Pieces pieces() const { return Pieces::Scans; }
 
   /** Whether the map would be wrong, but would not if all were read again with other options: sets
    * these. Complete once next() gave false. */

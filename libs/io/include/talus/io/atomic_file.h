@@ -80,7 +80,7 @@ class AtomicFile
   /** Where temporary_path() lies; what else is put there is removed with it. */
   const HiddenFolder& hidden_folder() const { return *hidden_; }
 
-  /** Writes all bytes. Throws std::runtime_error. */
+  /** Writes all bytes, after those before. Throws std::runtime_error. */
   void write(std::string_view bytes);
 
   /** Brings what was written to the disk and gives it its place. Throws std::runtime_error. */

@@ -39,8 +39,10 @@ class GeotiffFile
   std::string item(const char* name) const;
   /** Where the map is on Earth; nothing where it does not say. */
   std::optional<GeoOrigin> origin() const;
-  /** Where it lies in the map frame, and the names of its bands, whose cells are not read. */
-  LayerStack place() const;
+  /** As it was given. */
+  const std::string& path() const;
+  /** Where it lies in the map frame, without layers. */
+  LayerStack frame() const;
   /** In the map frame. `bands`: of these names only, where they are there; empty: all. */
   LayerStack read(const std::vector<std::string>& bands = {}) const;
   /** The same of a part of it: `cells_x` by `cells_y` cells, the first of which is cell (x, y). */

@@ -1,6 +1,5 @@
 #pragma once
 #include <mrpt/poses/CPose3D.h>
-#include <talus/io/layer_stack.h>
 
 #include <cstdint>
 #include <string>
@@ -57,9 +56,5 @@ std::string grid_update_message(const Header& header, const Grid& grid, int x, i
 /** nav_msgs/Path: of the base, with the times of the poses. */
 std::string path_message(
     const Header& header, const std::vector<std::pair<double, mrpt::poses::CPose3D>>& poses);
-/** grid_map_msgs/GridMap with these layers of a map. Throws std::runtime_error for a layer that is
- * not there. */
-std::string grid_map_message(
-    const Header& header, const io::LayerStack& map, const std::vector<std::string>& layers);
 
 }  // namespace talus::live

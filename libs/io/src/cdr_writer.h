@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace talus::live
+namespace talus::io
 {
 /** Serializes the fields of one message of ROS 2, in their order, as plain CDR. */
 class CdrWriter
@@ -52,4 +52,4 @@ class CdrWriter
 #endif
 };
 
-}  // namespace talus::live
+}  // namespace talus::io
