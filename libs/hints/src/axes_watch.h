@@ -31,11 +31,17 @@ class AxesWatch
   };
   std::optional<Fit> better_axes() const;
 
+  /** The same of positions that are multiplied: of walls across the way from one frame to the other,
+   * as those along it fit any. */
+  std::optional<Fit> better_scale() const;
+
   /** How far the walls of frames lie apart of a robot that hardly moves by its poses; NaN where it
    * does. */
   double apart_standing_m() const;
   /** Along the steps of the path, the median; 0 where there are few. */
   double speed_mps() const;
+  /** Seen from above. */
+  double path_m() const { return path_m_; }
 
  private:
   struct Kept
@@ -48,6 +54,7 @@ class AxesWatch
     const char* text;  //!< a number that is made of it follows
     bool mirrors_y = false, mirrors_yaw = false, swaps = false;
     double turn_rad = 0, scale = 1;
+    bool only_across = false;  //!< walls across the way from one frame to the other
   };
   Change best_change() const;
   double apart_m(const Change& change) const;

@@ -112,6 +112,12 @@ std::optional<Hint> tilted_ground(const Figures& f)
   for (const SensorFigures& s : f.sensors)
   {
     const bool only_steep = s.share(s.steep_rad) > kGroundShare;
+    if (s.has_mounting && !only_steep && s.analysed >= kMinNoGround &&
+        s.share(s.ground_m) + s.share(s.above_far_ground_m) + s.share(s.ceiling_above_m) < kNoGround)
+      return Hint{
+          Kind::TiltedGround, "hardly any frame" + of_sensor(f, s) +
+                                  " shows ground around the base: are the axes of its points x "
+                                  "ahead and z up, or those of a camera, whose z points ahead?"};
     const double in_base_rad = only_steep ? s.steep_rad.median() : lean_rad(s.ground());
     if (!only_steep && !shows_ground(s)) continue;
     if (s.has_mounting && in_base_rad > kTilted_rad)

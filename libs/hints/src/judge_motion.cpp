@@ -1,6 +1,7 @@
 // Hints about motion: what frames from different places, and in turns, tell of poses and clocks.
 #include <talus/number_text.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "judge.h"
@@ -57,7 +58,16 @@ std::optional<Hint> wrong_axes(const Figures& f)
               metres(s.axes.apart_standing_m()) +
               " on average: are these the poses of this log, in metres? Pass those of the drive "
               "(--trajectory), not --static"};
-    if (const auto fit = s.axes.better_axes())
+    if (f.level.climb_m() > std::max(kMinClimb_m, s.axes.path_m()))
+      return Hint{
+          Kind::WrongAxes,
+          "the robot moves up and down by " + metres(f.level.climb_m()) + ", and " +
+              metres(s.axes.path_m()) +
+              " seen from above: are the axes of the poses those of a camera, whose z points "
+              "ahead? z of the map points up"};
+    auto fit = s.axes.better_axes();
+    if (!fit) fit = s.axes.better_scale();
+    if (fit)
       return Hint{
           Kind::WrongAxes, "walls that are seen from different positions lie " +
                                metres(fit->given_m) + " apart, and " + metres(fit->best_m) +

@@ -123,7 +123,7 @@ struct WallsApart
   /** Each of the first frame from the nearest that is parallel of the second. */
   void add(const std::vector<WallLine>& first, const std::vector<WallLine>& second);
   /** NaN: there is too little to compare. */
-  double mean_m() const;
+  double mean_m(double min_count = kMinCompared) const;
 };
 
 }  // namespace talus::hints

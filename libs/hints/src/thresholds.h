@@ -67,6 +67,7 @@ constexpr double kFlat_m = 0.02, kFlat_deg = 0.1;  // poses of a plane
 constexpr std::size_t kWallPoints = 6000, kFacets = 60;  // of a frame
 constexpr double kMinTurn_rps = 0.2;
 constexpr double kCalmStep_s = 2, kKeptStep_s = 0.5;  // between calm frames before turns, after
+constexpr double kMaxApart_m = 0.3;  // walls; what is farther apart counts as that
 constexpr double kMinCompared = 100;  // pieces of walls, each with one of another frame
 constexpr double kMinWallsApart_m = 0.04;  // mean: sound drives up to 0.02
 constexpr double kSweepFits = 0.6, kClockFits = 0.5;  // of that distance, with the lag taken off
@@ -82,6 +83,9 @@ constexpr double kMinSideways_deg = 30;  // vehicles that steer all wheels: less
 constexpr double kMinWrongAxes_m = 0.08;  // walls apart, mean: sound drives up to 0.04
 constexpr double kAxesFit = 0.5;  // of that distance, with other axes
 constexpr double kMinMovedWalls_m = 0.15;  // of a robot that stands by its poses
+constexpr double kMinClimb_m = 2;  // of a robot that would climb more than it drives
+constexpr double kNoGround = 0.1;  // of the frames
+constexpr std::size_t kMinNoGround = 10;  // frames
 constexpr double kFastest_mps = 70;  // of robots and cars
 constexpr double kMinTiltedFrame_deg = 3;  // of a mounting, by which the map is tilted, too
 constexpr double kTiltedFrame = 0.5;  // of it, at least

@@ -56,6 +56,13 @@ void PoseHistory::sort()
   std::stable_sort(
       all_.begin(), all_.end(),
       [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns < b.stamp_ns; });
+  const auto is_first = [&](const StampedPose& p)
+  {
+    bool is = true;
+    for (std::size_t i = 0; i < 7; ++i) is = is && p.pose[i] == all_[0].pose[i];
+    return is;
+  };
+  is_constant_ = std::all_of(all_.begin(), all_.end(), is_first);
 }
 
 void PoseHistory::forget_before(std::int64_t stamp_ns)
@@ -75,6 +82,7 @@ std::optional<CPose3D> PoseHistory::at(std::int64_t stamp_ns) const
   if (has_after && has_before) return between(*(after - 1), *after, stamp_ns);
   if (has_after && after->stamp_ns - stamp_ns <= kHold_ns) return pose_of(after->pose);
   if (has_before && stamp_ns - (after - 1)->stamp_ns <= kHold_ns) return pose_of((after - 1)->pose);
+  if (is_constant_ && !all_.empty()) return pose_of(all_[0].pose);
   return std::nullopt;
 }
 

@@ -30,7 +30,8 @@ class PoseHistory
   bool add(std::int64_t stamp_ns, const mrpt::math::TPose3DQuat& pose);
   /** In order of time; before the next two are asked for. */
   void sort();
-  /** Interpolated; nothing more than 0.1 s outside of the history. */
+  /** Interpolated; nothing more than 0.1 s outside of the history, unless all of it is one pose: a
+   * mounting that is published now and then, or late. */
   std::optional<mrpt::poses::CPose3D> at(std::int64_t stamp_ns) const;
   const std::vector<StampedPose>& all() const { return all_; }
   void clear() { all_ = {}; }
@@ -39,6 +40,7 @@ class PoseHistory
 
  private:
   std::vector<StampedPose> all_;
+  bool is_constant_ = false;
 };
 
 /** The frames of TF: each below one parent, at a place that is fixed or moves. */

@@ -49,7 +49,11 @@ struct Sensor
   std::int64_t not_mounted_ns = 0;  //!< the first of those
   double off_s = 0;  //!< the time of recording of the first scan, after its stamp
   StampOffsets offsets;
+
+  bool has_lost_many() const { return 10 * late > scans + late; }
 };
+
+constexpr const char* kLate = "are left out: their stamps are before those of the scans before them";
 
 class BagSource : public ScanSource
 {
@@ -133,20 +137,22 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
 {
   auto& sensor = sensors_[message.topic];
   require_one_file(sensor, message);
-  const auto told_ns = cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
+  const bool is_stamped = cloud.header.stamp_ns != 0;
+  const auto stated_ns = is_stamped ? cloud.header.stamp_ns : message.log_time_ns;
   const auto& topic = reader_.topics()[message.topic].name;
   const auto& clock = motion_.clock(message.topic);
   const bool has_times = !file_.time.empty();
   sensor.broken_times += clock.leave_out_broken(file_);
-  auto times_s = clock.times_since(seconds(told_ns), file_);
+  auto times_s = clock.times_since(seconds(stated_ns), file_);
   sensor.not_timed += has_times && times_s.empty() ? 1 : 0;
   float last_s = 0;
   for (const float time_s : times_s) last_s = std::max(last_s, time_s);
-  const auto stamp_ns = is_recorded(topic)
+  const auto stamp_ns = is_recorded(topic) || !is_stamped
                             ? message.log_time_ns - std::llround(1e9 * static_cast<double>(last_s))
-                            : told_ns;
-  sensor.not_stamped += cloud.header.stamp_ns == 0 ? 1 : 0;
-  sensor.offsets.add(message.log_time_ns, stamp_ns);
+                            : stated_ns;
+  sensor.not_stamped += is_stamped ? 0 : 1;
+  if (is_stamped)
+    sensor.offsets.add(message.log_time_ns, stamp_ns, static_cast<double>(last_s));
   if (stamp_ns < sensor.last_ns) return ++sensor.late, false;
   const auto* given = options_.mounting_of(topic);
   const auto T_base_sensor = given ? std::optional<mrpt::poses::CPose3D>(*given)
@@ -156,7 +162,7 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
     if (sensor.not_mounted++ == 0) sensor.not_mounted_ns = stamp_ns;
     return false;
   }
-  if (sensor.scans++ == 0) sensor.off_s = seconds(stamp_ns - told_ns);
+  if (sensor.scans++ == 0) sensor.off_s = seconds(stamp_ns - stated_ns);
   sensor.last_ns = stamp_ns;
   scan.sensor_label = topic;
   scan.T_base_sensor = *T_base_sensor;
@@ -220,8 +226,7 @@ std::vector<std::string> BagSource::remarks() const
   {
     const auto& sensor = sensors_[i];
     const auto& topic = reader_.topics()[i].name;
-    count(
-        sensor.late, topic, "are left out: their stamps are before those of the scans before them");
+    if (!sensor.has_lost_many()) count(sensor.late, topic, kLate);
     count(sensor.not_mounted, topic, "are left out: TF does not tell the mounting at their time");
     if (const auto why = motion_.clock(i).why_none(); !why.empty() && sensor.scans > 0)
       all.push_back(topic + ": " + why);
@@ -262,12 +267,20 @@ std::vector<std::string> BagSource::warnings() const
 {
   std::vector<std::string> all;
   for (std::size_t i = 0; i < sensors_.size(); ++i)
-    if (const auto clock = sensors_[i].offsets.with(motion_.pose_offsets()); !clock.warning.empty())
+  {
+    const auto& sensor = sensors_[i];
+    const std::string topic = reader_.topics()[i].name + ": ";
+    if (const auto clock = sensor.offsets.with(motion_.pose_offsets()); !clock.warning.empty())
       all.push_back(
-          reader_.topics()[i].name + ": " + clock.warning +
+          topic + clock.warning +
           (options_.recorded_times
                ? ". --poses FILE gives poses with the times of recording"
                : ". --recorded-times takes the times of recording for the scans"));
+    if (sensor.has_lost_many())
+      all.push_back(
+          topic + std::to_string(sensor.late) + " of " +
+          std::to_string(sensor.scans + sensor.late) + " scans " + kLate);
+  }
   return all;
 }
 

@@ -17,7 +17,7 @@ namespace talus::import
 /** No sensor sees its points so far away: these are world coordinates. Floats count 1 mm here. */
 constexpr double kWorld_m = 1e4;
 
-/** A number in a file. */
+/** A number in a file, in the order of sensor_msgs/msg/PointField. */
 enum class NumberType
 {
   Int8,
@@ -26,13 +26,18 @@ enum class NumberType
   UInt16,
   Int32,
   UInt32,
-  Int64,
-  UInt64,
   Float32,
-  Float64
+  Float64,
+  Int64,
+  UInt64
 };
 
 std::size_t bytes_of(NumberType type);
+
+/** As .pcd files have it: F, I or U, and its bytes. */
+std::optional<NumberType> number_type_of(char kind, std::size_t bytes);
+/** As .ply files have it: "uchar", or "uint8". */
+std::optional<NumberType> number_type_named(std::string_view name);
 
 /** Files are little-endian unless they say otherwise. */
 bool is_big_endian_host();
@@ -50,9 +55,6 @@ struct PointField
 
 /** Bytes of a point whose fields follow each other. */
 std::size_t bytes_of(const std::vector<PointField>& fields);
-
-/** Text has all digits, whatever the type is called. */
-std::vector<PointField> in_text(std::vector<PointField> fields);
 
 /** Where the numbers of a field are in bytes. */
 struct FieldPlace

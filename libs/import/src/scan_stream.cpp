@@ -106,8 +106,7 @@ struct ScanStream::Impl
   void take_cloud(const BagTopic& from, std::string_view message, double now_s);
   void meet(const std::string& topic, const CloudMessage& cloud);
   void await(
-      const std::string& topic, Sensor& sensor, const std::string& frame, std::int64_t stamp_ns,
-      double now_s);
+      const std::string& topic, Sensor& sensor, const MessageHeader& header, double now_s);
   void take_odometry(const std::string& topic, FrameTransform pose, double now_s);
   bool is_of_this_time(std::int64_t stamp_ns, double now_s);
   void choose_frames(double now_s);
@@ -354,17 +353,17 @@ void ScanStream::Impl::take_cloud(const BagTopic& from, std::string_view message
   collect_points(cloud, topic, file, max_points(cloud));
   if (sensor.learns_no_returns && !(sensor.learns_no_returns = sensor.no_returns.add(file)))
     sensor.no_return_places = sensor.no_returns.places();
-  await(topic, sensor, cloud.header.frame, stamp_ns, now_s);
+  await(topic, sensor, cloud.header, now_s);
 }
 
 /** The points that were read, as a scan that has no pose yet. */
 void ScanStream::Impl::await(
-    const std::string& topic, Sensor& sensor, const std::string& frame, std::int64_t stamp_ns,
-    double now_s)
+    const std::string& topic, Sensor& sensor, const MessageHeader& header, double now_s)
 {
   Waiting cloud;
-  cloud.frame = frame;
-  cloud.stamp_ns = stamp_ns;
+  cloud.frame = header.frame;
+  std::int64_t& stamp_ns = cloud.stamp_ns;
+  stamp_ns = header.stamp_ns == 0 ? nanoseconds(now_s) : header.stamp_ns;
   cloud.since_s = now_s;
   auto& scan = cloud.scan;
   scan.sensor_label = topic;
@@ -386,6 +385,11 @@ void ScanStream::Impl::await(
         std::minmax_element(scan.point_time_s.begin(), scan.point_time_s.end());
     cloud.first_s = *first;
     cloud.last_s = *last;
+  }
+  if (header.stamp_ns == 0)  // it came after its last point
+  {
+    stamp_ns -= nanoseconds(cloud.last_s);
+    scan.time_s = seconds(stamp_ns);
   }
   if (sensor.last_ns > 0) counts.missing += sensor.missing(seconds(stamp_ns - sensor.last_ns));
   sensor.last_ns = stamp_ns;
