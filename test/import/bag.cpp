@@ -332,8 +332,7 @@ TEST(Bag, AMountingInTfThatNeverChangesHoldsForAllScans)
 TEST(Bag, ScansWithoutAStampWereTakenBeforeTheyWereRecorded)
 {
   MAKE_BAGS("not_stamped.mcap");
-  EXPECT_NEAR(
-      scans_of(dir / "not_stamped.mcap", "/points").at(3).time_s, kBagStart_s + 0.31, 1e-6);
+  EXPECT_NEAR(scans_of(dir / "not_stamped.mcap", "/points").at(3).time_s, kBagStart_s + 0.31, 1e-6);
 }
 
 TEST(Bag, CloudsThatSayMoreThanTheyHoldAreRefusedByNameAndPlace)

@@ -9,7 +9,7 @@
 
 #include "apps/common/memory_limit.h"
 #include "log_files.h"
-#include "lzf.h"
+#include "record_file.h"
 #include "formats.h"
 #include "point_times.h"
 #include "scan_formats.h"

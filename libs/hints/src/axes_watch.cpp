@@ -18,7 +18,7 @@ constexpr std::size_t kMaxFrames = 24, kMaxStraight = 12;  // the others are for
 constexpr std::size_t kStandingStep = 8;  // frames, of a robot that stands
 constexpr std::size_t kMaxSpeeds = 1000, kMinSpeeds = 5;
 constexpr double kSameWalls_m = 4;  // frames that see the same walls
-constexpr double kAcross = 0.7;  // cosine between the normal of a wall and the way
+constexpr double kAcross = 0.7;  // cosine between the normal of a wall and the path
 constexpr double kMinAcross = 40;  // of these, to compare
 constexpr double kMinScale = 1.1;  // what a sound drive fits by chance: less
 }  // namespace
@@ -82,7 +82,8 @@ double AxesWatch::apart_m(const Change& c) const
       auto walls = lines[i];
       const auto is_along = [&](const WallLine& wall)
       { return std::abs(wall.normal_x * x + wall.normal_y * y) < kAcross * away_m; };
-      if (c.only_across) walls.erase(std::remove_if(walls.begin(), walls.end(), is_along), walls.end());
+      if (c.only_across)
+        walls.erase(std::remove_if(walls.begin(), walls.end(), is_along), walls.end());
       apart.add(walls, lines[k]);
     }
   return apart.mean_m(c.only_across ? kMinAcross : kMinCompared);

@@ -68,7 +68,8 @@ std::string StampOffsets::before_measured(const StampOffsets& poses) const
   const double late_s = median_s(&Offset::late_s), last_s = median_s(&Offset::last_s),
                poses_s = poses.median_s(&Offset::late_s);
   const double early_s = std::min(0.0, poses_s) - (late_s - last_s);
-  if (early_s <= kEarly_s || std::abs(late_s) < kExactly_s) return "";
+  const bool is_judged = std::abs(poses_s) <= kOtherClock_s && std::abs(late_s) >= kExactly_s;
+  if (!is_judged || early_s <= kEarly_s) return "";
   return "its scans were recorded " + seconds_text(last_s - late_s) +
          " s before their last points, the poses " + seconds_text(poses_s) +
          " s after their stamps (medians): the stamps are not those of the first points, or of "

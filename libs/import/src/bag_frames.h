@@ -19,6 +19,9 @@ struct StampedPose
   mrpt::math::TPose3DQuat pose;
 };
 
+/** For messages: "map, odom"; a few of many. */
+std::string listed(const std::vector<std::string>& names);
+
 /** Whether `frame` is `name` of some robot: "robot1/base_link". */
 bool is_of_robot(const std::string& frame, const std::string& name);
 
@@ -52,8 +55,8 @@ class FrameTree
   void add(const FrameTransform& transform, bool is_static);
   void sort();
 
-  /** Drops the histories of long ones that lie on no way from these frames to the root. */
-  void keep_ways_of(const std::vector<std::string>& frames);
+  /** Drops the histories of long ones that lie on no chain from these frames to the root. */
+  void keep_chains_of(const std::vector<std::string>& frames);
   /** Poses in all histories. */
   std::size_t size() const { return size_; }
   /** Of sorted ones. */
@@ -70,7 +73,7 @@ class FrameTree
   std::optional<mrpt::poses::CPose3D> T_between(
       const std::string& from, const std::string& to, std::int64_t stamp_ns) const;
 
-  /** The times at which the chain moves: those of the link that is told most often. */
+  /** The times at which the chain moves: those of the link with the most poses. */
   std::vector<std::int64_t> times_between(const std::string& from, const std::string& to) const;
   /** Until when all of its moving links are known; nothing where none moves. */
   std::optional<std::int64_t> known_until(const std::string& from, const std::string& to) const;
@@ -85,11 +88,11 @@ class FrameTree
     std::optional<mrpt::poses::CPose3D> fixed;
     PoseHistory moving;
   };
-  using Way = std::vector<const Link*>;
-  Way way_to_root(const std::string& frame) const;
+  using Chain = std::vector<const Link*>;
+  Chain chain_to_root(const std::string& frame) const;
   /** Without what both have in common at the root's end; nothing where they are not connected. */
-  std::optional<std::pair<Way, Way>> ways(const std::string& a, const std::string& b) const;
-  static std::optional<mrpt::poses::CPose3D> T_along(const Way& way, std::int64_t stamp_ns);
+  std::optional<std::pair<Chain, Chain>> chains(const std::string& a, const std::string& b) const;
+  static std::optional<mrpt::poses::CPose3D> T_along(const Chain& chain, std::int64_t stamp_ns);
 
   std::map<std::string, Link> links_;  //!< by the child
   std::set<std::string> conflicts_;

@@ -11,9 +11,9 @@ namespace talus::import
 {
 namespace
 {
-/** Of chunks that overlap in time, so many bytes may be in memory at once. */
+/** Of chunks that overlap in time, the maximum in memory at once [bytes]. */
 constexpr std::uint64_t kMaxOpenBytes = std::uint64_t{1} << 28;
-/** And so many also where the file holds far fewer for them. */
+/** And the minimum, also where the file holds far fewer for them. */
 constexpr std::uint64_t kFewOpenBytes = std::uint64_t{1} << 25;
 
 struct Entry
@@ -288,7 +288,7 @@ void McapFile::check_counts()
   const auto compare = [&](std::uint64_t are, std::uint64_t count, const std::string& what)
   {
     if (are != count && wrong.empty())
-      wrong = "has " + std::to_string(are) + what + ", and its Statistics tell of " +
+      wrong = "has " + std::to_string(are) + what + ", and its Statistics count " +
               std::to_string(count);
   };
   const auto& chunks = index_.chunks();

@@ -27,8 +27,8 @@ BagPacking packing_of(std::string_view name)
 
 std::uint32_t crc_of_mcap(std::string_view bytes, std::uint32_t before)
 {
-  return static_cast<std::uint32_t>(crc32(
-      before, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
+  return static_cast<std::uint32_t>(
+      crc32(before, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
 }
 
 McapIndex::McapIndex(const std::string& path, FileBytes& file, bool partial)
@@ -56,7 +56,8 @@ McapIndex::McapIndex(const std::string& path, FileBytes& file, bool partial)
 std::uint64_t McapIndex::walk_record(std::uint64_t at)
 {
   const auto head = file_.look(at, kHead);
-  if (head.size() < kHead) fail(at, "ends without its end: it was cut, or its recording broken off");
+  if (head.size() < kHead)
+    fail(at, "ends without its end: it was cut, or its recording broken off");
   RecordReader reader(head);
   const auto op = static_cast<McapRecord>(reader.u8());
   const std::uint64_t bytes = reader.u64(), begin = at + kHead;

@@ -245,7 +245,7 @@ void collect_points(
   require_sizes(cloud);
   PointCollector collector({cloud.fields.begin(), cloud.fields.end()}, points, place, out);
   require_places(cloud, collector.wanted());
-  std::vector<FieldPlace> places(cloud.fields.size());
+  std::vector<FieldPosition> places(cloud.fields.size());
   for (std::size_t row = 0; row < cloud.height; ++row)
   {
     const char* const data = cloud.data.data() + row * row_step_of(cloud);

@@ -19,8 +19,6 @@ namespace talus::import
 {
 namespace
 {
-double seconds(std::int64_t time_ns) { return static_cast<double>(time_ns) * 1e-9; }
-
 /** For errors. */
 std::string name_of(const std::vector<std::string>& paths)
 {
@@ -29,7 +27,7 @@ std::string name_of(const std::vector<std::string>& paths)
 }
 
 /** "(0, 0, 0.7)", several with "and". */
-std::string places_text(const std::vector<std::array<double, 3>>& places)
+std::string points_text(const std::vector<std::array<double, 3>>& places)
 {
   std::string text;
   for (const auto& p : places)
@@ -53,7 +51,8 @@ struct Sensor
   bool has_lost_many() const { return 10 * late > scans + late; }
 };
 
-constexpr const char* kLate = "are left out: their stamps are before those of the scans before them";
+constexpr const char* kLate =
+    "are left out: their stamps are before those of the scans before them";
 
 class BagSource : public ScanSource
 {
@@ -120,7 +119,7 @@ bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
     auto cloud = read_cloud(reader_.payload(), reader_.topics()[message.topic].type);
     cloud.is_big_endian ^= motion_.is_of_other_order(message.topic);
     auto& sensor = sensors_[message.topic];
-    file_.no_return_places = no_returns_[message.topic];
+    file_.no_return_points = no_returns_[message.topic];
     collect_points(cloud, reader_.place(), file_, most_points(reader_));
     sensor.no_returns += file_.no_returns;
     return place(cloud, message, scan);
@@ -151,8 +150,7 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
                             ? message.log_time_ns - std::llround(1e9 * static_cast<double>(last_s))
                             : stated_ns;
   sensor.not_stamped += is_stamped ? 0 : 1;
-  if (is_stamped)
-    sensor.offsets.add(message.log_time_ns, stamp_ns, static_cast<double>(last_s));
+  if (is_stamped) sensor.offsets.add(message.log_time_ns, stamp_ns, static_cast<double>(last_s));
   if (stamp_ns < sensor.last_ns) return ++sensor.late, false;
   const auto* given = options_.mounting_of(topic);
   const auto T_base_sensor = given ? std::optional<mrpt::poses::CPose3D>(*given)
@@ -200,7 +198,7 @@ void BagSource::require_scans() const
     if (roles_[i] == BagRole::Cloud) names += (names.empty() ? "" : ", ") + topic.substr(0, 100);
     if (sensor.scans > 0 || sensor.not_mounted == 0) continue;
     throw std::runtime_error(
-        path_ + ": TF tells the mounting of " + topic + " at the time of none of its " +
+        path_ + ": TF has the mounting of " + topic + " at the time of none of its " +
         std::to_string(sensor.not_mounted) + " scans, of which the first is of " +
         number_text(seconds(sensor.not_mounted_ns), 13) +
         " s. If its sensor has a clock of its own, pass --recorded-times: scans then have the time "
@@ -227,7 +225,7 @@ std::vector<std::string> BagSource::remarks() const
     const auto& sensor = sensors_[i];
     const auto& topic = reader_.topics()[i].name;
     if (!sensor.has_lost_many()) count(sensor.late, topic, kLate);
-    count(sensor.not_mounted, topic, "are left out: TF does not tell the mounting at their time");
+    count(sensor.not_mounted, topic, "are left out: TF has no mounting at their time");
     if (const auto why = motion_.clock(i).why_none(); !why.empty() && sensor.scans > 0)
       all.push_back(topic + ": " + why);
     else
@@ -249,7 +247,7 @@ std::vector<std::string> BagSource::remarks() const
       all.push_back(
           topic + ": " + std::to_string(sensor.no_returns) +
           " points are left out: in each of the first scans some lie at exactly " +
-          places_text(no_returns_.at(i)) + ", as rays without a return");
+          points_text(no_returns_.at(i)) + ", as rays without a return");
     if (is_recorded(topic))
       count(
           sensor.scans, topic,

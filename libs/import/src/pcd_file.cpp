@@ -10,7 +10,6 @@
 #include <string_view>
 
 #include "formats.h"
-#include "lzf.h"
 #include "record_file.h"
 
 namespace talus::import
@@ -90,8 +89,8 @@ void check(const HeaderLines& lines, Header& header)
   const std::uint64_t by_size = header.width * header.height;  // of 32 bits each
   points.count = header.count.value_or(by_size);
   lines.require(
-      points.count == by_size, "POINTS is " + std::to_string(points.count) + ", WIDTH x HEIGHT " +
-                                   std::to_string(by_size));
+      points.count == by_size,
+      "POINTS is " + std::to_string(points.count) + ", WIDTH x HEIGHT " + std::to_string(by_size));
   for (const char* known : {"ascii", "binary", "binary_compressed"})
     if (header.data == known) return;
   lines.require(false, "DATA " + shown(header.data) + " is not known");

@@ -161,9 +161,8 @@ void read_ply(const std::string& path, ScanFile& out)
     for (std::uint64_t i = 0; i < element.count && !element.properties.empty(); ++i)
     {
       const bool is_there =
-          points.is_text
-              ? skip_line(data)
-              : skip_binary(element, points.is_big_endian != is_big_endian_host(), data);
+          points.is_text ? skip_line(data)
+                         : skip_binary(element, points.is_big_endian != is_big_endian_host(), data);
       if (!is_there)
         fail_at(
             path, "is cut: " + std::to_string(i) + " of " + std::to_string(element.count) + " " +

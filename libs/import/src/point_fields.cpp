@@ -154,11 +154,11 @@ std::size_t bytes_of(const std::vector<PointField>& fields)
   return bytes;
 }
 
-std::vector<FieldPlace> places_of(
+std::vector<FieldPosition> positions_of(
     const std::vector<PointField>& fields, const char* data, std::size_t points, bool swapped,
     bool by_field)
 {
-  std::vector<FieldPlace> places;
+  std::vector<FieldPosition> places;
   places.reserve(fields.size());
   const std::size_t point_bytes = bytes_of(fields);
   for (const PointField& f : fields)
@@ -298,13 +298,13 @@ std::uint32_t PointCollector::rgb_of(const double* values) const
 }
 
 bool PointCollector::add_records(
-    const std::vector<FieldPlace>& places, std::size_t count, std::size_t most)
+    const std::vector<FieldPosition>& places, std::size_t count, std::size_t most)
 {
   for (std::size_t i = 0; i < count; ++i)
   {
     for (std::size_t k = 0; k < values_.size(); ++k)
     {
-      const FieldPlace& at = places[wanted_[k]];
+      const FieldPosition& at = places[wanted_[k]];
       values_[k] = number_at(at.first + i * at.step, types_[k], at.swapped);
     }
     add(values_.data());
@@ -340,7 +340,7 @@ void PointCollector::add(const double* values)
     ++out_->not_finite;
     return;
   }
-  for (const auto& place : out_->no_return_places)
+  for (const auto& place : out_->no_return_points)
     if (place == std::array<double, 3>{x_m, y_m, z_m}) return void(++out_->no_returns);
   out_->x_m.push_back(x_m);
   out_->y_m.push_back(y_m);

@@ -44,4 +44,13 @@ struct PointRecords
 void read_records(
     const std::string& path, const PointRecords& records, std::string_view data, ScanFile& out);
 
+/** Unpacks LZF, as binary_compressed .pcd files have it: exactly `size` bytes, else false. */
+bool unpack_lzf(std::string_view packed, std::size_t size, std::string& out);
+
+/** The maximum of bytes that packed ones hold. */
+constexpr std::size_t most_of_lzf(std::size_t packed_bytes)
+{
+  return packed_bytes * 88;  // three bytes give 264 at most
+}
+
 }  // namespace talus::import
