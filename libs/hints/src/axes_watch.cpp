@@ -96,9 +96,14 @@ AxesWatch::Change AxesWatch::best_change() const
       {"y and yaw of the poses are mirrored (or y of the points)", true, true},
       {"the yaw of the poses is mirrored", false, true},
       {"x and y of the poses are swapped", false, false, true}};
-  constexpr int kTurns = 72;
+  constexpr int kTurns = 72, kScales = 40;
+  constexpr double kScaleStep = 1.04;
   for (int i = 1; i < kTurns; ++i)
     all.push_back({"the sensor is turned by yaw ", false, false, false, 2 * M_PI * i / kTurns});
+  for (int i = -kScales; i <= kScales; ++i)
+    if (i != 0)
+      all.push_back(
+          {"positions are multiplied by ", false, false, false, 0, std::pow(kScaleStep, i)});
   Change best = all.front();
   double least_m = HUGE_VAL;
   const auto look = [&](const Change& change)
@@ -113,8 +118,9 @@ AxesWatch::Change AxesWatch::best_change() const
   for (const double by : {-0.5, -0.25, 0.25, 0.5})  // steps
   {
     Change fine = coarse;
-    fine.turn_rad += by * 2 * M_PI / kTurns;
-    if (coarse.turn_rad != 0) look(fine);
+    if (fine.turn_rad != 0) fine.turn_rad += by * 2 * M_PI / kTurns;
+    if (fine.scale != 1) fine.scale *= std::pow(kScaleStep, by);
+    if (fine.turn_rad != 0 || fine.scale != 1) look(fine);
   }
   return best;
 }
@@ -129,6 +135,7 @@ std::optional<AxesWatch::Fit> AxesWatch::better_axes() const
   std::string text = best.text;
   if (best.turn_rad != 0)
     text += fixed_text(std::remainder(best.turn_rad, 2 * M_PI) * 180 / M_PI, 0) + " degrees";
+  if (best.scale != 1) text += fixed_text(best.scale, 2);
   return Fit{given_m, best_m, text};
 }
 
