@@ -60,7 +60,7 @@ mrpt::poses::CPose3D given_mounting(const AppOptions& o, const SensorPoints& fir
   if (std::abs(T.pitch()) > kMaxPitch)
     throw std::runtime_error(
         o.log + ": the sensor is mounted with a pitch of " + std::to_string(T.pitch() / kDegree) +
-        " degrees; beyond 80 degrees roll and yaw cannot be told apart");
+        " degrees; beyond 80 degrees roll and yaw are not separable");
   return T;
 }
 

@@ -78,13 +78,13 @@ std::string c_beam_line(const NoiseFit& fit)
 {
   return mrpt::format("c_beam_m = %.5g", std::max(fit.model.c_beam_m, kMinCBeam_m)) +
          (fit.constrained[kCBeam] ? mrpt::format("   # +- %.2g m\n", fit.sigma[kCBeam])
-                                  : "   # not told from zero: the least that the map takes\n");
+                                  : "   # not significant: the minimum that the map takes\n");
 }
 
 std::string lambda_line(const NoiseFit& fit)
 {
   if (!fit.turns)
-    return "# lambda_t: the sensor never tilts in this log, which does not tell it: left as it "
+    return "# lambda_t: the sensor never tilts in this log, which does not show it: left as it "
            "is\n";
   return mrpt::format("lambda_t = %.4g", fit.model.lambda_t) +
          (fit.constrained[kLambdaT] ? mrpt::format("   # +- %.2g\n", fit.sigma[kLambdaT])

@@ -21,7 +21,7 @@ std::string parameter_line(const Result& r, int i)
 std::string noise_line(const char* name, double value, double sigma, bool constrained)
 {
   return constrained ? mrpt::format("  %-12s %10.5f      +- %.5f\n", name, value, sigma)
-                     : mrpt::format("  %-12s %10.5f      not told from zero\n", name, value);
+                     : mrpt::format("  %-12s %10.5f      not significant\n", name, value);
 }
 }  // namespace
 

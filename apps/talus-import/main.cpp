@@ -54,7 +54,7 @@ constexpr const char* kFooter =
     "\nExit codes: 0 done, 1 an input or the output failed, 2 wrong usage, 128 + N stopped by "
     "signal N.";
 
-/** Refuses what no single option tells. */
+/** Refuses what no single option shows. */
 void check(const Options& o)
 {
   const std::filesystem::path output(o.output);
@@ -90,7 +90,7 @@ void require_no_old_poses(const std::string& tum)
         "Remove it, pass --poses, or give the log another name.");
 }
 
-void tell(const Options& o, const ImportedLog& log)
+void report(const Options& o, const ImportedLog& log)
 {
   std::cout << o.output << ": " << contents_text(log) << "\n";
   std::cout << "  poses   " << poses_text(log)
@@ -113,7 +113,7 @@ void import_all(const Options& o, const fs::path& folder)
 {
   const ImportedLog log = import_into(o, folder);
   if (log.poses.count == 0) require_no_old_poses(app::trajectory_beside(o.output));
-  if (!o.quiet) tell(o, log);
+  if (!o.quiet) report(o, log);
 }
 
 void require_all_apart(const Options& o)

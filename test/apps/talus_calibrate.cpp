@@ -134,7 +134,7 @@ TEST_F(TalusCalibrate, StatesNoCertaintyOfANoiseThatIsNotTold)
   const auto json = this->json("out/calibration.json");
   ASSERT_FALSE(json["noise"]["c_beam_m"]["told_from_zero"]) << done.text;
   const std::string ini = text("out/calibration.ini");
-  EXPECT_SAYS(ini, "c_beam_m = 0.0001   # not told from zero");
+  EXPECT_SAYS(ini, "c_beam_m = 0.0001   # not significant");
 }
 
 TEST_F(TalusCalibrate, SaysWhatIsMissingAndWritesNothing)

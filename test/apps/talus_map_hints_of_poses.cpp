@@ -90,6 +90,10 @@ TEST_F(TalusMapHintsOfPoses, whose_axes_are_mirrored_swapped_or_turned)
        [](const CPose3D& T) {
          return Place{T.x() / 0.3, T.y() / 0.3, T.yaw()};
        }},
+      {"multiplied by 2.0",
+       [](const CPose3D& T) {
+         return Place{T.x() / 2, T.y() / 2, T.yaw()};
+       }},
       {"in millimetres",
        [](const CPose3D& T) {
          return Place{1e3 * T.x(), 1e3 * T.y(), T.yaw()};

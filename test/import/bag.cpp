@@ -316,8 +316,23 @@ TEST(Bag, WithoutCloudsItListsTopicsAndTypes)
 TEST(Bag, ScansOfTimesThatGoBackAreLeftOutAndCounted)
 {
   MAKE_BAGS("two_clocks.mcap");
-  EXPECT_EQ(scans_of(dir / "two_clocks.mcap", "/points").size(), 1u);
-  EXPECT_TRUE(holds(remarks_of(dir / "two_clocks.mcap"), "/points: 2 scans are left out"));
+  const auto source = open_bag_source({dir / "two_clocks.mcap"}, {});
+  EXPECT_EQ(all_of(*source).size(), 1u);
+  EXPECT_TRUE(holds(source->warnings().at(0), "/points: 2 of 3 scans are left out"));
+}
+
+TEST(Bag, AMountingInTfThatNeverChangesHoldsForAllScans)
+{
+  MAKE_BAGS("rare_tf.mcap");
+  const auto scans = scans_of(dir / "rare_tf.mcap", "/points");
+  ASSERT_EQ(scans.size(), 20u);
+  expect_pose(scans.back().T_base_sensor, 0, 0, 1, 0);
+}
+
+TEST(Bag, ScansWithoutAStampWereTakenBeforeTheyWereRecorded)
+{
+  MAKE_BAGS("not_stamped.mcap");
+  EXPECT_NEAR(scans_of(dir / "not_stamped.mcap", "/points").at(3).time_s, kBagStart_s + 0.31, 1e-6);
 }
 
 TEST(Bag, CloudsThatSayMoreThanTheyHoldAreRefusedByNameAndPlace)

@@ -164,8 +164,8 @@ TEST(BagDisk, MessagesThatTheDescriptionTellsOfAndThatAreNotThereAreTold)
   MAKE_BAGS("parts_with_loss");
   const auto remarks = remarks_of(dir / "parts_with_loss");
   for (const char* part :
-       {"/front/points: the messages that are there are 10, those that metadata.yaml tells of 13",
-        "/tf_static: the messages that are there are 1, those that metadata.yaml tells of 4"})
+       {"/front/points: the messages that are there are 10, those that metadata.yaml counts 13",
+        "/tf_static: the messages that are there are 1, those that metadata.yaml counts 4"})
     EXPECT_TRUE(holds(remarks, part)) << remarks;
 }
 

@@ -28,9 +28,9 @@ TEST(BagLies, CountsAreHeldAgainstStatistics)
     const auto error = error_of(dir / name);
     EXPECT_TRUE(holds(error, name) && holds(error, part) && holds(error, "--partial")) << error;
   };
-  expect("lie_statistics.mcap", "has 85 messages, and its Statistics tell of 86");
-  expect("lie_channel.mcap", "has 10 messages of /imu, and its Statistics tell of 11");
-  expect("lost_chunk.mcap", "has 7 chunks, and its Statistics tell of 8");
+  expect("lie_statistics.mcap", "has 85 messages, and its Statistics count 86");
+  expect("lie_channel.mcap", "has 10 messages of /imu, and its Statistics count 11");
+  expect("lost_chunk.mcap", "has 7 chunks, and its Statistics count 8");
   expect("lost_message.mcap", "messages of /");
 }
 

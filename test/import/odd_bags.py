@@ -200,20 +200,41 @@ def since_boot(path, clouds=True, links=False, moving=False):
         rows.append((at + 10_000_000, "/points", mb.CLOUD, mb.cloud(of_cloud, "lidar", fields, 24, points)))
         rows.append((at, "/tf", mb.TF, mb.transforms((of_link, "odom", "base_link", i, 0, 0, 0))))
         if moving:
-            rows.append((at, "/tf", mb.TF, mb.transforms((at, "base_link", "lidar", 0, 0, 1, 0))))
+            rows.append((at, "/tf", mb.TF, mb.transforms((at, "base_link", "lidar", 0, 0, 1, 1e-10 * i))))
     if not moving:
         rows.append((mb.stamp(0), "/tf_static", mb.TF, mb.transforms((0, "base_link", "lidar", 0, 0, 1, 0))))
     mb.write_mcap(path, [rows])
 
 
-def ahead(path, seconds, jump=False, poses=0):
-    """A scanner whose clock is ahead of the recorder's, or jumps there in the middle; its poses too."""
-    fields, rows = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)], []
+def ahead(path, seconds, jump=False, poses=0, sweep=0.0, stalls=False):
+    """A scanner whose clock is ahead of the recorder's, or jumps there in the middle; its poses too. `sweep`: until the
+    last point. `stalls`: the recorder, for 3 s."""
+    fields, rows = [(name, 4 * i, mb.FLOAT32) for i, name in enumerate(("x", "y", "z", "time"))], []
     for i in range(100):
         at, off = mb.stamp(0.1 * i), round(seconds * mb.NS) * (i >= 50 or not jump)
-        rows.append((at, "/tf", mb.TF, mb.transforms((at + poses * mb.NS, "odom", "base_link", 0.1 * i, 0, 0, 0))))
-        rows.append((at + 20_000_000, "/points", mb.CLOUD, mb.cloud(at + off, "base_link", fields, 12, [(1, 2, 3)])))
+        log = mb.stamp(6) if stalls and 30 < i < 60 else at
+        points = [(1, 2, 3, 0), (1, 2, 3, sweep)]
+        rows.append((log, "/tf", mb.TF, mb.transforms((at + poses * mb.NS, "odom", "base_link", 0.1 * i, 0, 0, 0))))
+        rows.append((log + 20_000_000, "/points", mb.CLOUD, mb.cloud(at + off, "base_link", fields, 16, points)))
     mb.write_mcap(path, [rows])
+
+
+def rare_tf(path):
+    """A mounting that is published in /tf, once, late."""
+    fields, rows = [(name, 4 * i, mb.FLOAT32) for i, name in enumerate("xyz")], []
+    for i in range(20):
+        at = mb.stamp(0.1 * i)
+        rows.append((at, "/tf", mb.TF, mb.transforms((at, "odom", "base_link", 0.1 * i, 0, 0, 0))))
+        rows.append((at, "/points", mb.CLOUD, mb.cloud(at, "lidar", fields, 12, [(1, 2, 3)])))
+    rows.append((mb.stamp(1), "/tf", mb.TF, mb.transforms((mb.stamp(1), "base_link", "lidar", 0, 0, 1, 0))))
+    mb.write_mcap(path, [rows])
+
+
+def not_stamped(path):
+    """Scans of 0.05 s without a stamp, recorded 0.01 s after their last points."""
+    fields = [(name, 4 * i, mb.FLOAT32) for i, name in enumerate(("x", "y", "z", "time"))]
+    body = mb.cloud(0, "base_link", fields, 16, [(1, 2, 3, 0), (1, 2, 3, 0.05)])
+    mb.write_mcap(path, [[(mb.stamp(0.1 * i + 0.06), "/points", mb.CLOUD, body) for i in range(9)]])
 
 
 def with_maps(path):
@@ -368,6 +389,10 @@ def bags(folder):
         "ahead_1.mcap": lambda n: ahead(n, 1),
         "ahead_all.mcap": lambda n: ahead(n, 37, poses=37),
         "jump_2.mcap": lambda n: ahead(n, 2, jump=True),
+        "stall.mcap": lambda n: ahead(n, 0, stalls=True),
+        "sweep_end.mcap": lambda n: ahead(n, 0, sweep=0.1),
+        "rare_tf.mcap": rare_tf,
+        "not_stamped.mcap": not_stamped,
         "with_maps.mcap": with_maps,
         "copies.mcap": copies,
         "no_returns_1.mcap": lambda n: no_returns(n, 1),

@@ -61,7 +61,7 @@ void Calibration::associate_now(double least_cell_m, double max_range_m, std::si
   association_ = associate(scans_, track_, driven_, v_, noise_, o);
 }
 
-/** What the log does not tell stays as it was given. */
+/** What the log does not show stays as it was given. */
 void Calibration::keep_the_rest()
 {
   for (std::size_t i = 0; i < kParameters; ++i)
@@ -96,8 +96,8 @@ void Calibration::approach()
   }
 }
 
-/** One round with everything that can be told. True: nothing changes any more. In the last round
- * what cannot be told is as it was given; before, it stays where the approach left it. */
+/** One round with everything that is observable. True: nothing changes any more. In the last round
+ * what is not observable is as it was given; before, it stays where the approach left it. */
 bool Calibration::refine(int round, bool is_last)
 {
   if (is_last) keep_the_rest();

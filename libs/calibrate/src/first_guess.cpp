@@ -105,7 +105,7 @@ void require_level_ground(const ScanSet& scans, const Vector& v)
   const double lean_rad = std::acos(std::clamp(normal_of(*plane).z(), -1.0, 1.0));
   if (lean_rad <= kMax_rad) return;
   throw std::runtime_error(
-      "does not tell how the sensor is tilted: as it is given, the ground under the robot leans "
+      "does not show how the sensor is tilted: as it is given, the ground under the robot leans "
       "by " +
       fixed_text(lean_rad * 180 / kHalfTurn, 0) +
       " degrees. Give the mounting to about 5 degrees (--mount), or a drive with turns; if the "

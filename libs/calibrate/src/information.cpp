@@ -129,7 +129,7 @@ void Gatherer::add(const Patch& p)
   }
   const Eigen::Matrix3d C_inverse = C.inverse();
   const double slope_variance = std::max(C_inverse(1, 1), C_inverse(2, 2));
-  if (!(slope_variance < kMaxSlopeVariance)) return;  // tells nothing
+  if (!(slope_variance < kMaxSlopeVariance)) return;  // no information
   ++patches_;
   info_.normal += A - B * C_inverse * B.transpose();
   for (int k = 0; k < 2; ++k)

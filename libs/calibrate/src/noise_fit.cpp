@@ -16,7 +16,7 @@ constexpr double kSettledGain = 1e-9;  // gain of the mean log likelihood
 constexpr double kSignificantVariance =
     2;  // deviations from 0 that a variance must have to be kept
 constexpr double kMinVariance_m2 = 1e-12;
-constexpr double kMaxLeverage = 0.5;  // points that hold their surface tell nothing
+constexpr double kMaxLeverage = 0.5;  // points that hold their surface have no information
 constexpr std::uint32_t kFewPointsOfPatch = 24;  // on a patch whose surface has six unknowns
 constexpr std::size_t kMaxPoints = 50000;
 constexpr double kOutlying = 4;  // deviations; no share in the surface, so that leverage is exact

@@ -10,7 +10,7 @@ namespace talus::calibrate
 namespace
 {
 constexpr int kFramesNeeded = 8;
-constexpr double kLittleWay_m = 0.5, kLittleTurn_rad = 0.2;
+constexpr double kMinExtent_m = 0.5, kMinTurn_rad = 0.2;
 constexpr std::size_t kPatchesNeeded = 20;
 
 std::string number(double v) { return fixed_text(v, 2); }
@@ -37,12 +37,12 @@ void require_motion(const ScanSet& scans, const PoseTrack& track)
         " with a pose, too few to compare: the ground must be seen from several places. Record at "
         "least " +
         std::to_string(kFramesNeeded) + " frames, better 200, while the robot drives");
-  const double way_m = (high - low).norm();
-  if (way_m < kLittleWay_m && turn_rad < kLittleTurn_rad)
+  const double extent_m = (high - low).norm();
+  if (extent_m < kMinExtent_m && turn_rad < kMinTurn_rad)
     throw std::runtime_error(
-        "shows no motion: the robot stays within " + number(way_m) + " m and turns by " +
+        "shows no motion: the robot stays within " + number(extent_m) + " m and turns by " +
         number(turn_rad * 57.29578) +
-        " degrees, so that all frames see the ground alike and nothing can be told from their "
+        " degrees, so that all frames see the ground alike and nothing can be estimated from their "
         "differences. Drive some metres, with turns");
 }
 

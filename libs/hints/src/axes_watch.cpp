@@ -18,6 +18,9 @@ constexpr std::size_t kMaxFrames = 24, kMaxStraight = 12;  // the others are for
 constexpr std::size_t kStandingStep = 8;  // frames, of a robot that stands
 constexpr std::size_t kMaxSpeeds = 1000, kMinSpeeds = 5;
 constexpr double kSameWalls_m = 4;  // frames that see the same walls
+constexpr double kAcross = 0.7;  // cosine between the normal of a wall and the path
+constexpr double kMinAcross = 40;  // of these, to compare
+constexpr double kMinScale = 1.1;  // what a sound drive fits by chance: less
 }  // namespace
 
 bool AxesWatch::wants(double stamp_s, const Pose& T_map_base)
@@ -72,9 +75,18 @@ double AxesWatch::apart_m(const Change& c) const
   WallsApart apart;
   for (std::size_t i = 0; i < kept_.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)
-      if (std::hypot(kept_[i].x_m - kept_[k].x_m, kept_[i].y_m - kept_[k].y_m) < kSameWalls_m)
-        apart.add(lines[i], lines[k]);
-  return apart.mean_m();
+    {
+      const double x = kept_[i].x_m - kept_[k].x_m, y = kept_[i].y_m - kept_[k].y_m;
+      const double away_m = std::hypot(x, y);
+      if (away_m >= kSameWalls_m) continue;
+      auto walls = lines[i];
+      const auto is_along = [&](const WallLine& wall)
+      { return std::abs(wall.normal_x * x + wall.normal_y * y) < kAcross * away_m; };
+      if (c.only_across)
+        walls.erase(std::remove_if(walls.begin(), walls.end(), is_along), walls.end());
+      apart.add(walls, lines[k]);
+    }
+  return apart.mean_m(c.only_across ? kMinAcross : kMinCompared);
 }
 
 AxesWatch::Change AxesWatch::best_change() const
@@ -125,6 +137,26 @@ std::optional<AxesWatch::Fit> AxesWatch::better_axes() const
     text += fixed_text(std::remainder(best.turn_rad, 2 * M_PI) * 180 / M_PI, 0) + " degrees";
   if (best.scale != 1) text += fixed_text(best.scale, 2);
   return Fit{given_m, best_m, text};
+}
+
+std::optional<AxesWatch::Fit> AxesWatch::better_scale() const
+{
+  constexpr int kScales = 80;
+  constexpr double kScaleStep = 1.02;
+  constexpr double kFits = 0.2, kHardlyFits = 0.25;  // of the walls; of those that fit best
+  Change change{""};
+  change.only_across = true;
+  const double given_m = apart_m(change);
+  double best_m = given_m, scale = 1;
+  for (int i = -kScales; i <= kScales; ++i)
+  {
+    change.scale = std::pow(kScaleStep, i);
+    if (const double m = apart_m(change); m < best_m) best_m = m, scale = change.scale;
+  }
+  const double given = 1 - given_m / kMaxApart_m, best = 1 - best_m / kMaxApart_m;
+  if (!(best > kFits && given < kHardlyFits * best) || std::max(scale, 1 / scale) < kMinScale)
+    return {};
+  return Fit{given_m, best_m, "positions are multiplied by " + fixed_text(scale, 2)};
 }
 
 double AxesWatch::apart_standing_m() const

@@ -18,8 +18,8 @@ class AxesWatch
   /** The frame that was asked for. */
   void add(std::vector<Facet> facets) { kept_.back().facets = std::move(facets); }
 
-  /** The angle between the ways that the robot drives and its x axis, -90 to 90 degrees: where it
-   * drives far enough, and always so. */
+  /** The angle between the directions in which the robot drives and its x axis, -90 to 90 degrees:
+   * where it drives far enough, and always so. */
   std::optional<double> sideways_rad() const;
 
   /** Of walls that frames see from different positions: how far they lie apart with the poses as
@@ -31,11 +31,17 @@ class AxesWatch
   };
   std::optional<Fit> better_axes() const;
 
+  /** The same of positions that are multiplied: of walls across the path from one frame to the
+   * other, as those along it fit any. */
+  std::optional<Fit> better_scale() const;
+
   /** How far the walls of frames lie apart of a robot that hardly moves by its poses; NaN where it
    * does. */
   double apart_standing_m() const;
   /** Along the steps of the path, the median; 0 where there are few. */
   double speed_mps() const;
+  /** Seen from above. */
+  double path_m() const { return path_m_; }
 
  private:
   struct Kept
@@ -48,6 +54,7 @@ class AxesWatch
     const char* text;  //!< a number that is made of it follows
     bool mirrors_y = false, mirrors_yaw = false, swaps = false;
     double turn_rad = 0, scale = 1;
+    bool only_across = false;  //!< walls across the path from one frame to the other
   };
   Change best_change() const;
   double apart_m(const Change& change) const;

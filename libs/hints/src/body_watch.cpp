@@ -14,11 +14,11 @@ namespace talus::hints
 namespace
 {
 constexpr std::size_t kMaxMapVoxels = 300000;
-constexpr double kMapReach_m = 10;  // of the points that tell whether something stays
+constexpr double kMapReach_m = 10;  // of the points that show whether something stays
 constexpr double kMinFar_m = 2, kMaxFar_m = 8;  // from where a place is looked at again
 constexpr std::size_t kMaxTried = 40;  // voxels of a part, against kTriedFrames frames
 constexpr std::size_t kTriedFrames = 16;
-constexpr double kMaxExtent_m = 3;  // of a part; a longer one cannot be told from what is passed
+constexpr double kMaxExtent_m = 3;  // of a part; a longer one looks like what is passed
 constexpr double kBoxMargin_m = 0.05;
 constexpr std::size_t kMaxBoxes = 8;
 
@@ -73,7 +73,7 @@ void BodyWatch::add(
     const std::vector<Vec3>& near, const std::vector<Vec3>& all, const Pose& T_map_base)
 {
   const std::uint64_t bit = std::uint64_t{1} << poses_.size();
-  if (!poses_.empty()) way_m_ += length(origin_of(T_map_base) - origin_of(poses_.back()));
+  if (!poses_.empty()) path_m_ += length(origin_of(T_map_base) - origin_of(poses_.back()));
   poses_.push_back(T_map_base);
   for (const Vec3& p : near)
   {
@@ -86,15 +86,15 @@ void BodyWatch::add(
       map_[voxel_of(moved(T_map_base, p), kMapVoxel_m)] |= bit;
 }
 
-bool BodyWatch::can_tell() const
+bool BodyWatch::is_conclusive() const
 {
-  return poses_.size() >= kMinBodyFrames && way_m_ >= kMinBodyWay_m &&
+  return poses_.size() >= kMinBodyFrames && path_m_ >= kMinBodyPath_m &&
          heading_span_rad(poses_) >= kMinBodyTurn_deg * M_PI / 180;
 }
 
 std::vector<BodyBox> BodyWatch::boxes(const NearPlane& ground, const Vec3& sensor) const
 {
-  if (!can_tell()) return {};
+  if (!is_conclusive()) return {};
   const double height_m = ground.distance_m(sensor);
   std::vector<std::pair<std::uint64_t, BodyBox>> found;
   for (const Part& part : parts(ground))

@@ -11,11 +11,11 @@
 namespace talus::hints
 {
 /** Looks for what moves with the robot: it is at the same place of the base frame wherever the
- * robot is, and leaves nothing behind in the map. What stands along the way (walls of a corridor)
+ * robot is, and leaves nothing behind in the map. What stands along the path (walls of a corridor)
  * can be at the same place of the base too, but stays in the map when the robot has gone on.
  *
  * Two things that are no body do both: a pane of glass that only returns rays near its normal, and
- * a person who follows. They are told apart by the reach of a robot, by the ground that is seen
+ * a person who follows. They differ by the reach of a robot, by the ground that is seen
  * before them, and by turns: the body alone stays in its place when the robot changes direction. */
 class BodyWatch
 {
@@ -33,16 +33,16 @@ class BodyWatch
    * of the base. */
   void add(const std::vector<Vec3>& near, const std::vector<Vec3>& all, const Pose& T_map_base);
 
-  /** Whether the robot has driven and turned enough: at rest nothing tells its body from who stands
-   * beside it. */
-  bool can_tell() const;
+  /** Whether the robot has driven and turned enough: at rest nothing separates its body from who
+   * stands beside it. */
+  bool is_conclusive() const;
   /** Boxes around what moves with the robot, frame of the base [m], the one with most points first;
-   * none where nothing can tell. `ground`: where it lies in that frame; `sensor`: where it is
+   * none where nothing shows it. `ground`: where it lies in that frame; `sensor`: where it is
    * mounted. */
   std::vector<BodyBox> boxes(const NearPlane& ground, const Vec3& sensor) const;
 
   /** Driven while it looked [m]; it looks at the first frames only. */
-  double way_m() const { return way_m_; }
+  double path_m() const { return path_m_; }
 
  private:
   struct Voxel
@@ -64,7 +64,7 @@ class BodyWatch
 
   GroundBefore before_;
   std::vector<Pose> poses_;
-  double way_m_ = 0;
+  double path_m_ = 0;
   std::unordered_map<Key, Voxel> body_;  //!< by place in the base frame
   std::unordered_map<Key, std::uint64_t> map_;  //!< by place in the map: frames that hit it
 };

@@ -19,7 +19,6 @@ constexpr double kMinPoints = 5;
 constexpr double kMaxThick_m = 0.05, kMinLong_m = 0.1;  // standard deviations
 constexpr double kParallel = 0.9;  // cosine between the normals of two pieces of one wall
 constexpr double kAlong_m = 0.6;  // from the middle of one to that of the other
-constexpr double kMaxApart_m = 0.3;  // what is farther apart counts as that
 
 struct Sums
 {
@@ -109,9 +108,9 @@ void WallsApart::add(const std::vector<WallLine>& first, const std::vector<WallL
   }
 }
 
-double WallsApart::mean_m() const
+double WallsApart::mean_m(double min_count) const
 {
-  return count < kMinCompared ? std::numeric_limits<double>::quiet_NaN() : sum_m / count;
+  return count < min_count ? std::numeric_limits<double>::quiet_NaN() : sum_m / count;
 }
 
 }  // namespace talus::hints

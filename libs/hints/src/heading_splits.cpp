@@ -28,8 +28,8 @@ std::vector<double> bends_of(const std::vector<Pose>& poses, const std::vector<d
   for (std::size_t i = 0; i < poses.size(); ++i)
   {
     const std::size_t a = i > 0 ? i - 1 : i, b = std::min(i + 1, poses.size() - 1);
-    const double way_m = length(origin_of(poses[b]) - origin_of(poses[a]));
-    bends.push_back((headings[b] - headings[a]) / std::max(way_m, 0.01));
+    const double path_m = length(origin_of(poses[b]) - origin_of(poses[a]));
+    bends.push_back((headings[b] - headings[a]) / std::max(path_m, 0.01));
   }
   return bends;
 }

@@ -203,7 +203,7 @@ void HintFinder::look_at(const Frame& frame, std::size_t sensor)
 void HintFinder::look_at_walls(const Frame& frame, std::size_t sensor, const Pose& T_map_base)
 {
   SensorFigures& s = figures_->sensors[sensor];
-  // What the map deskews itself is told with the times of its points: these are judged there.
+  // What the map deskews itself has times of points, which are judged elsewhere.
   const bool for_lag = frame.path.empty() && s.lag.wants(frame.stamp_s, T_map_base);
   const bool for_axes = s.axes.wants(frame.stamp_s, T_map_base);
   if (!for_lag && !for_axes) return;

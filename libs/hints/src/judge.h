@@ -15,7 +15,7 @@ std::vector<Hint> judge(const Figures& figures, const Parameters& parameters, do
 /** With boxes around what moves with the robot beside those that are known. */
 Parameters with_body(const Figures& f, Parameters p);
 
-/** Of all sensors the highest ray ahead, where a drive tells it for certain. */
+/** Of all sensors the highest ray ahead, where a drive shows it for certain. */
 std::optional<HighestRay> highest_ray(const Figures& f);
 
 /// @name One cause each; nothing where it is not certain

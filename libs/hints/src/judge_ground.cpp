@@ -1,4 +1,4 @@
-// Hints about frames: what the ground tells of poses and mountings.
+// Hints about frames: what the ground shows of poses and mountings.
 #include <talus/number_text.h>
 
 #include <algorithm>
@@ -24,10 +24,10 @@ std::string of_sensor(const Figures& f, const SensorFigures& s)
   return f.sensors.size() > 1 ? " of '" + s.label + "'" : std::string();
 }
 
-/** Whether the robot has been to enough places to tell its mounting from where it stands. */
+/** Whether the robot has been to enough positions to separate its mounting from where it stands. */
 bool was_around(const SensorFigures& s)
 {
-  return s.ground_m.size() >= kMinGrounds && s.body.way_m() >= kMinBodyWay_m;
+  return s.ground_m.size() >= kMinGrounds && s.body.path_m() >= kMinBodyPath_m;
 }
 
 /** The ground, which a mounting puts at the base, lies above or below it nearly everywhere. */
@@ -112,6 +112,13 @@ std::optional<Hint> tilted_ground(const Figures& f)
   for (const SensorFigures& s : f.sensors)
   {
     const bool only_steep = s.share(s.steep_rad) > kGroundShare;
+    if (s.has_mounting && !only_steep && s.analysed >= kMinNoGround &&
+        s.share(s.ground_m) + s.share(s.above_far_ground_m) + s.share(s.ceiling_above_m) <
+            kNoGround)
+      return Hint{
+          Kind::TiltedGround, "hardly any frame" + of_sensor(f, s) +
+                                  " shows ground around the base: are the axes of its points x "
+                                  "ahead and z up, or those of a camera, whose z points ahead?"};
     const double in_base_rad = only_steep ? s.steep_rad.median() : lean_rad(s.ground());
     if (!only_steep && !shows_ground(s)) continue;
     if (s.has_mounting && in_base_rad > kTilted_rad)

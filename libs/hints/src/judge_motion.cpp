@@ -1,6 +1,7 @@
-// Hints about motion: what frames from different places, and in turns, tell of poses and clocks.
+// Hints about motion: what frames from different positions, and in turns, show of poses and clocks.
 #include <talus/number_text.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "judge.h"
@@ -13,7 +14,7 @@ namespace
 std::string degrees(double rad) { return fixed_text(rad * 180 / M_PI, 0) + " degrees"; }
 std::string metres(double m) { return fixed_text(m, 2) + " m"; }
 
-/** What walls tell of the times of one sensor's scans. */
+/** What walls show of the times of one sensor's scans. */
 std::optional<Hint> wrong_times_of(const SensorFigures& s)
 {
   const double now_m = s.lag.apart_m({});
@@ -57,7 +58,16 @@ std::optional<Hint> wrong_axes(const Figures& f)
               metres(s.axes.apart_standing_m()) +
               " on average: are these the poses of this log, in metres? Pass those of the drive "
               "(--trajectory), not --static"};
-    if (const auto fit = s.axes.better_axes())
+    if (f.level.climb_m() > std::max(kMinClimb_m, s.axes.path_m()))
+      return Hint{
+          Kind::WrongAxes,
+          "the robot moves up and down by " + metres(f.level.climb_m()) + ", and " +
+              metres(s.axes.path_m()) +
+              " seen from above: are the axes of the poses those of a camera, whose z points "
+              "ahead? z of the map points up"};
+    auto fit = s.axes.better_axes();
+    if (!fit) fit = s.axes.better_scale();
+    if (fit)
       return Hint{
           Kind::WrongAxes, "walls that are seen from different positions lie " +
                                metres(fit->given_m) + " apart, and " + metres(fit->best_m) +
@@ -97,13 +107,13 @@ std::optional<Hint> level_poses(const Figures& f)
   const LevelWatch& w = f.level;
   const std::string mend =
       ": the poses have no pitch and roll: give a trajectory with the full attitude (--trajectory)";
-  const double slope_rad = w.way_slope_rad();
-  const bool climbs = slope_rad > kMinWaySlope_deg * M_PI / 180 &&
+  const double slope_rad = w.path_slope_rad();
+  const bool climbs = slope_rad > kMinPathSlope_deg * M_PI / 180 &&
                       slope_rad > kSlopeOverNoise * w.noise_slope_rad();
   if (w.pieces() >= kMinPieces && climbs && w.pose_share() < kLevelPoses &&
       w.ground_share() < kLevelGround)
     return Hint{
-        Kind::LevelPoses, "the way climbs and falls by " + fixed_text(slope_rad * 180 / M_PI, 0) +
+        Kind::LevelPoses, "the path climbs and falls by " + fixed_text(slope_rad * 180 / M_PI, 0) +
                               " degrees (root mean square), and the poses lean by " +
                               fixed_text(100 * w.pose_share(), 0) + " % of that" + mend};
   const bool is_flat = w.climb_m() < kFlat_m && w.most_lean_rad() < kFlat_deg * M_PI / 180;

@@ -110,7 +110,8 @@ Parameters with_body(const Figures& f, Parameters p)
   auto& boxes = p.body_boxes_m;
   for (const SensorFigures& s : f.sensors)
   {
-    if (s.share(s.ground_m) <= kGroundShare) continue;  // nothing tells the body from the ground
+    if (s.share(s.ground_m) <= kGroundShare)
+      continue;  // nothing separates the body from the ground
     const auto more = s.body.boxes(s.ground(), s.sensor);
     boxes.insert(boxes.end(), more.begin(), more.end());
   }

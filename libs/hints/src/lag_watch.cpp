@@ -9,7 +9,7 @@ namespace talus::hints
 {
 namespace
 {
-constexpr std::size_t kMaxPlaces = 100000;
+constexpr std::size_t kMaxStops = 100000;
 constexpr std::size_t kMaxTurningFrames = 12, kMaxTurnFrames = 4, kMaxCalmFrames = 6;  // frames
 constexpr std::size_t kPartners = 3;  // of each frame
 constexpr double kPartnerReach_m = 4, kPartnerTime_s = 20;
@@ -24,16 +24,16 @@ bool LagWatch::wants(double stamp_s, const Pose& T_map_base)
   double heading = std::atan2(T_map_base.m[4], T_map_base.m[0]);
   double turn_rps = 0;
   bool has_rate = false;
-  if (!way_.empty())
+  if (!path_.empty())
   {
-    const Place& last = way_.back();
+    const Stop& last = path_.back();
     const double passed_s = stamp_s - last.stamp_s;
-    if (passed_s <= 0 || way_.size() >= kMaxPlaces) return false;
+    if (passed_s <= 0 || path_.size() >= kMaxStops) return false;
     heading = last.heading_rad + wrapped(heading - last.heading_rad);
     has_rate = passed_s < kGap_s;
     turn_rps = (heading - last.heading_rad) / passed_s;
   }
-  way_.push_back({stamp_s, T_map_base.x(), T_map_base.y(), heading});
+  path_.push_back({stamp_s, T_map_base.x(), T_map_base.y(), heading});
   return has_rate && keeps(stamp_s, turn_rps);
 }
 
@@ -63,13 +63,13 @@ double LagWatch::fastest_rps() const
   return fastest;
 }
 
-LagWatch::Place LagWatch::place_at(double stamp_s) const
+LagWatch::Stop LagWatch::place_at(double stamp_s) const
 {
   const auto after = std::lower_bound(
-      way_.begin(), way_.end(), stamp_s, [](const Place& p, double t) { return p.stamp_s < t; });
-  if (after == way_.begin()) return way_.front();
-  if (after == way_.end()) return way_.back();
-  const Place &a = *(after - 1), &b = *after;
+      path_.begin(), path_.end(), stamp_s, [](const Stop& p, double t) { return p.stamp_s < t; });
+  if (after == path_.begin()) return path_.front();
+  if (after == path_.end()) return path_.back();
+  const Stop &a = *(after - 1), &b = *after;
   const double f = (stamp_s - a.stamp_s) / (b.stamp_s - a.stamp_s);
   const auto between = [f](double from, double to) { return from + f * (to - from); };
   return {
@@ -85,7 +85,7 @@ std::vector<WallLine> LagWatch::lines_of(const Kept& kept, const Lag& lag) const
     const double turn =
         lag.sweep_s < 0 ? lag.first_rad - f.bearing_rad : f.bearing_rad - lag.first_rad;
     const double share = turn / (2 * M_PI) - std::floor(turn / (2 * M_PI));
-    const Place at = place_at(kept.stamp_s - lag.late_s + share * std::abs(lag.sweep_s));
+    const Stop at = place_at(kept.stamp_s - lag.late_s + share * std::abs(lag.sweep_s));
     lines.push_back(wall_line(f, at.x_m, at.y_m, at.heading_rad));
   }
   return lines;
@@ -95,11 +95,11 @@ std::vector<WallLine> LagWatch::lines_of(const Kept& kept, const Lag& lag) const
 std::vector<std::size_t> LagWatch::partners_of(std::size_t kept) const
 {
   const Kept& one = kept_[kept];
-  const Place at = place_at(one.stamp_s);
+  const Stop at = place_at(one.stamp_s);
   std::vector<std::pair<double, std::size_t>> found;
   for (std::size_t i = 0; i < kept_.size(); ++i)
   {
-    const Place other = place_at(kept_[i].stamp_s);
+    const Stop other = place_at(kept_[i].stamp_s);
     const double apart_rps = std::abs(kept_[i].turn_rps - one.turn_rps);
     if (apart_rps > kMinTurn_rps && std::abs(other.stamp_s - at.stamp_s) < kPartnerTime_s &&
         std::hypot(other.x_m - at.x_m, other.y_m - at.y_m) < kPartnerReach_m)

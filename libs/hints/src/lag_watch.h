@@ -36,7 +36,7 @@ class LagWatch
   Lag best_sweep() const;
 
  private:
-  struct Place
+  struct Stop
   {
     double stamp_s, x_m, y_m, heading_rad;
   };
@@ -46,12 +46,12 @@ class LagWatch
     std::vector<Facet> facets;
   };
   bool keeps(double stamp_s, double turn_rps);
-  Place place_at(double stamp_s) const;
+  Stop place_at(double stamp_s) const;
   std::vector<WallLine> lines_of(const Kept& kept, const Lag& lag) const;
   std::vector<std::size_t> partners_of(std::size_t kept) const;
   Lag refined(Lag lag, double step_s) const;
 
-  std::vector<Place> way_;
+  std::vector<Stop> path_;
   std::vector<Kept> kept_;
   std::size_t turning_ = 0, of_turn_ = 0;
   double last_rps_ = 0;

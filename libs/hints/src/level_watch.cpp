@@ -49,9 +49,9 @@ void LevelWatch::note_height(double z_m)
 void LevelWatch::end_piece(const Pose& T_map_base)
 {
   const Vec3 moved = origin_of(T_map_base) - origin_of(*begin_);
-  const double way_m = std::hypot(moved.x, moved.y);
-  const double x = moved.x / way_m, y = moved.y / way_m;
-  const double slope = std::atan2(moved.z, way_m);
+  const double path_m = std::hypot(moved.x, moved.y);
+  const double x = moved.x / path_m, y = moved.y / path_m;
+  const double slope = std::atan2(moved.z, path_m);
   const double lean = (rise_rad(up_of(*begin_), x, y) + rise_rad(up_of(T_map_base), x, y)) / 2;
   slopes_ += slope * slope;
   leans_ += lean * slope;
@@ -59,7 +59,7 @@ void LevelWatch::end_piece(const Pose& T_map_base)
   ++pieces_;
 }
 
-double LevelWatch::way_slope_rad() const
+double LevelWatch::path_slope_rad() const
 {
   return pieces_ == 0 ? 0 : std::sqrt(slopes_ / static_cast<double>(pieces_));
 }

@@ -103,7 +103,7 @@ double heading_span_rad(const std::vector<Pose>& poses);
 
 /** The third of the frames that heads farthest to one side against that to the other; and the third
  * that turns most to one side, for each metre driven, against that to the other: who follows on the
- * robot's way swings out of its place there. */
+ * robot's path swings out of its place there. */
 std::vector<FrameSplit> splits_by_heading(const std::vector<Pose>& poses);
 
 /** A piece of a wall, frame of the map. */
@@ -123,7 +123,7 @@ struct WallsApart
   /** Each of the first frame from the nearest that is parallel of the second. */
   void add(const std::vector<WallLine>& first, const std::vector<WallLine>& second);
   /** NaN: there is too little to compare. */
-  double mean_m() const;
+  double mean_m(double min_count = kMinCompared) const;
 };
 
 }  // namespace talus::hints

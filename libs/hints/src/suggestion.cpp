@@ -17,7 +17,7 @@ constexpr double kMinHalfWindow_m = 4, kMaxHalfWindow_m = 12;
 constexpr double kBeyondReach = 1.2;  // of what 9 of 10 points on the ground are nearer than
 constexpr double kMaxCells = 360;  // along a side; coarser cells miss and widen what is small
 constexpr double kBelowGround_m = 1.2;  // ditches and slopes down
-constexpr double kHeightError_m = 0.03;  // of the sensor's height as the ground tells it
+constexpr double kHeightError_m = 0.03;  // of the sensor's height by the ground
 constexpr double kAboveGround_m = 2.2;  // what a robot could meet
 constexpr double kMinNoise_m = 0.01, kMaxNoise_m = 0.03;  // neighbours of a ring err alike
 constexpr double kCalmShare = 0.25;  // of the cells: those without roughness of their own
@@ -103,13 +103,14 @@ void suggest_body(const Figures& f, const Parameters& p, Suggestions& out)
 {
   const Parameters with = with_body(f, p);
   const bool knows = std::any_of(
-      f.sensors.begin(), f.sensors.end(), [](const SensorFigures& s) { return s.body.can_tell(); });
+      f.sensors.begin(), f.sensors.end(),
+      [](const SensorFigures& s) { return s.body.is_conclusive(); });
   if (knows && with.body_boxes_m.empty()) return;
   out.push_back(
       {"body_boxes_m", parameter_text(with, *find_parameter("body_boxes_m")),
        knows ? "what moves with the robot"
-             : "unknown: what moves with the robot is told once it has driven " +
-                   number_text(kMinBodyWay_m) + " m and turned by " +
+             : "unknown: what moves with the robot is known once it has driven " +
+                   number_text(kMinBodyPath_m) + " m and turned by " +
                    number_text(kMinBodyTurn_deg) + " degrees"});
 }
 
@@ -120,7 +121,7 @@ void suggest_noise(const SensorFigures& s, Suggestions& out)
   if (s.spread_m.size() == 0)
     out.push_back(
         {"c_beam_m", number_text(defaults.c_beam_m),
-         "the default: no piece of ground was hit often enough to tell"});
+         "the default: no piece of ground was hit often enough"});
   else
     out.push_back(
         {"c_beam_m", number_text(std::clamp(to_step(seen_m, 0.001), kMinNoise_m, kMaxNoise_m)),

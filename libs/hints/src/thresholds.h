@@ -20,16 +20,16 @@ constexpr std::size_t kNoiseFrames = 3;  // whose every point is looked at
 /// @name The ground in the frame of the base
 /// @{
 constexpr double kGroundShare = 0.5;  // of the frames must show the plane that is judged
-constexpr double kMinMounting_m = 0.25;  // a sensor lower than this does not tell base from sensor
+constexpr double kMinMounting_m = 0.25;  // a sensor lower than this does not show base from sensor
 constexpr double kAtSensor_m = 0.15;  // "at the height of the sensor"
 constexpr double kWrongHeight_m = 0.25;  // swells and kerbs around a robot: up to 0.22
 constexpr double kWrongHeightOnce_m =
-    0.5;  // of a log too short to tell where the robot stands from how it is mounted
+    0.5;  // of a log too short to separate where the robot stands from how it is mounted
 constexpr double kSteadyHeight = 0.7;  // of it that three of four frames must show
 constexpr double kWrongHeightShare = 0.15;  // of the height of the sensor: the same for cars
 constexpr double kWrongTilt_deg = 7;  // against base and map: drives along a bank up to 4.1
 constexpr std::size_t kMinGrounds =
-    8;  // frames, and kMinBodyWay_m, before a tilt is the mounting's
+    8;  // frames, and kMinBodyPath_m, before a tilt is the mounting's
 constexpr double kTwoGrounds_m = 0.15, kTwoGrounds_deg = 6;  // both sensors look at the same places
 constexpr double kTilted_deg = 20;  // what no robot drives on for half a log
 constexpr double kUpsideDown = -0.5;  // z of the base's z axis in the map: turned by 120 degrees
@@ -53,20 +53,22 @@ constexpr double kTurn_deg = 20, kTurnGap_s = 0.3;  // the same of a turn
 
 /// @name Poses that climb and stay level
 /// @{
-constexpr double kSlopePiece_m = 1;  // of way, whose slope is compared with that of the poses
+constexpr double kSlopePiece_m = 1;  // of path, whose slope is compared with that of the poses
 constexpr std::size_t kMinPieces = 5;
-constexpr double kMinWaySlope_deg = 2.5;  // root mean square: less does not matter to the map
+constexpr double kMinPathSlope_deg = 2.5;  // root mean square: less does not matter to the map
 constexpr double kSlopeOverNoise = 3;
-constexpr double kLevelPoses = 0.3;  // of the way's slope: sound poses lean by 0.8 or more of it
+constexpr double kLevelPoses =
+    0.3;  // of the slope of the path: sound poses lean by 0.8 or more of it
 constexpr double kLevelGround = 0.5;  // a robot that levels its body sees ground that leans
 constexpr double kFlat_m = 0.02, kFlat_deg = 0.1;  // poses of a plane
 /// @}
 
-/// @name Times of scans, told by walls that are seen while the robot turns
+/// @name Times of scans, by walls that are seen while the robot turns
 /// @{
 constexpr std::size_t kWallPoints = 6000, kFacets = 60;  // of a frame
 constexpr double kMinTurn_rps = 0.2;
 constexpr double kCalmStep_s = 2, kKeptStep_s = 0.5;  // between calm frames before turns, after
+constexpr double kMaxApart_m = 0.3;  // walls; what is farther apart counts as that
 constexpr double kMinCompared = 100;  // pieces of walls, each with one of another frame
 constexpr double kMinWallsApart_m = 0.04;  // mean: sound drives up to 0.02
 constexpr double kSweepFits = 0.6, kClockFits = 0.5;  // of that distance, with the lag taken off
@@ -74,7 +76,7 @@ constexpr double kMinSkew_deg = 4;  // turned during a sweep
 constexpr double kMinLate_s = 0.03;
 /// @}
 
-/// @name Axes of the poses, told by directions of travel and by walls
+/// @name Axes of the poses, by directions of travel and by walls
 /// @{
 constexpr double kMinSidewaysPath_m = 5;
 constexpr double kAlwaysSideways = 0.8;  // of the path, at one angle
@@ -82,6 +84,9 @@ constexpr double kMinSideways_deg = 30;  // vehicles that steer all wheels: less
 constexpr double kMinWrongAxes_m = 0.08;  // walls apart, mean: sound drives up to 0.04
 constexpr double kAxesFit = 0.5;  // of that distance, with other axes
 constexpr double kMinMovedWalls_m = 0.15;  // of a robot that stands by its poses
+constexpr double kMinClimb_m = 2;  // of a robot that would climb more than it drives
+constexpr double kNoGround = 0.1;  // of the frames
+constexpr std::size_t kMinNoGround = 10;  // frames
 constexpr double kFastest_mps = 70;  // of robots and cars
 constexpr double kMinTiltedFrame_deg = 3;  // of a mounting, by which the map is tilted, too
 constexpr double kTiltedFrame = 0.5;  // of it, at least
@@ -107,7 +112,7 @@ constexpr double kBodyReach_m = 3;  // a car seen from its roof
 constexpr double kBodyVoxel_m = 0.1, kMapVoxel_m = 0.2;
 constexpr double kBodyStep_m = 0.25;  // driven between two frames that count
 constexpr int kBodyFrames = 64, kMinBodyFrames = 10;
-constexpr double kMinBodyWay_m = 3;
+constexpr double kMinBodyPath_m = 3;
 constexpr double kBodyAbove_m = 0.2;  // lower points may be ground
 constexpr double kVoxelShare = 0.5, kPartShare = 0.9;  // of the frames that hit a voxel, a part
 constexpr double kMaxPersisting = 0.2;  // of the places of a part where something stays

@@ -18,7 +18,7 @@ struct BagTopic
 
 struct BagMessage
 {
-  std::size_t topic = 0;  //!< its place in topics()
+  std::size_t topic = 0;  //!< its index in topics()
   std::int64_t log_time_ns = 0;  //!< when it was recorded, since the epoch
 };
 

@@ -28,7 +28,7 @@ fs::path file_named(const fs::path& folder, const std::string& name)
   return fs::exists(unpacked) ? unpacked : path;
 }
 
-/** What metadata.yaml tells. Throws YAML::Exception where it names no files. */
+/** What metadata.yaml states. Throws YAML::Exception where it names no files. */
 FilesOfBag description_in(const fs::path& folder)
 {
   constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 24;
@@ -39,7 +39,7 @@ FilesOfBag description_in(const fs::path& folder)
   for (const auto& name : info["relative_file_paths"].as<std::vector<std::string>>())
     bag.files.push_back(file_named(folder, name).string());
   for (const auto& topic : info["topics_with_message_count"])
-    bag.told[topic["topic_metadata"]["name"].as<std::string>()] +=
+    bag.stated[topic["topic_metadata"]["name"].as<std::string>()] +=
         topic["message_count"].as<std::uint64_t>();
   return bag;
 }
@@ -188,7 +188,7 @@ FilesOfBag files_of_bags(const std::vector<std::string>& paths)
   for (const auto& path : paths)
   {
     auto bag = files_of_bag(path);
-    if (paths.size() == 1) all.told = std::move(bag.told);  // of all that are read
+    if (paths.size() == 1) all.stated = std::move(bag.stated);  // of all that are read
     for (auto& file : bag.files)
     {
       std::error_code unknown;

@@ -34,6 +34,15 @@ CPose3D between(const StampedPose& a, const StampedPose& b, std::int64_t stamp_n
 }
 }  // namespace
 
+std::string listed(const std::vector<std::string>& names)
+{
+  constexpr std::size_t kMax = 40, kMaxText = 60;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(names.size(), kMax); ++i)
+    list += (list.empty() ? "" : ", ") + names[i].substr(0, kMaxText);
+  return names.empty() ? "none" : list + (names.size() > kMax ? ", ..." : "");
+}
+
 bool is_of_robot(const std::string& frame, const std::string& name)
 {
   const auto slash = frame.rfind('/');
@@ -56,6 +65,13 @@ void PoseHistory::sort()
   std::stable_sort(
       all_.begin(), all_.end(),
       [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns < b.stamp_ns; });
+  const auto is_first = [&](const StampedPose& p)
+  {
+    bool is = true;
+    for (std::size_t i = 0; i < 7; ++i) is = is && p.pose[i] == all_[0].pose[i];
+    return is;
+  };
+  is_constant_ = std::all_of(all_.begin(), all_.end(), is_first);
 }
 
 void PoseHistory::forget_before(std::int64_t stamp_ns)
@@ -75,6 +91,7 @@ std::optional<CPose3D> PoseHistory::at(std::int64_t stamp_ns) const
   if (has_after && has_before) return between(*(after - 1), *after, stamp_ns);
   if (has_after && after->stamp_ns - stamp_ns <= kHold_ns) return pose_of(after->pose);
   if (has_before && stamp_ns - (after - 1)->stamp_ns <= kHold_ns) return pose_of((after - 1)->pose);
+  if (is_constant_ && !all_.empty()) return pose_of(all_[0].pose);
   return std::nullopt;
 }
 
@@ -102,12 +119,12 @@ void FrameTree::sort()
   for (auto& [child, link] : links_) link.moving.sort();
 }
 
-void FrameTree::keep_ways_of(const std::vector<std::string>& frames)
+void FrameTree::keep_chains_of(const std::vector<std::string>& frames)
 {
   constexpr std::size_t kLong = 10000;
   std::set<const Link*> kept;
   for (const auto& frame : frames)
-    for (const auto* link : way_to_root(frame)) kept.insert(link);
+    for (const auto* link : chain_to_root(frame)) kept.insert(link);
   size_ = 0;
   for (auto& [child, link] : links_)
   {
@@ -154,19 +171,19 @@ std::string FrameTree::named(const std::vector<std::string>& names) const
   return "";
 }
 
-FrameTree::Way FrameTree::way_to_root(const std::string& frame) const
+FrameTree::Chain FrameTree::chain_to_root(const std::string& frame) const
 {
-  Way way;
+  Chain chain;
   auto at = links_.find(frame);
-  for (; at != links_.end() && way.size() <= links_.size(); at = links_.find(at->second.parent))
-    way.push_back(&at->second);
-  return way.size() > links_.size() ? Way() : way;  // frames in a circle have no root
+  for (; at != links_.end() && chain.size() <= links_.size(); at = links_.find(at->second.parent))
+    chain.push_back(&at->second);
+  return chain.size() > links_.size() ? Chain() : chain;  // frames in a circle have no root
 }
 
-std::optional<std::pair<FrameTree::Way, FrameTree::Way>> FrameTree::ways(
+std::optional<std::pair<FrameTree::Chain, FrameTree::Chain>> FrameTree::chains(
     const std::string& a, const std::string& b) const
 {
-  auto from_a = way_to_root(a), from_b = way_to_root(b);
+  auto from_a = chain_to_root(a), from_b = chain_to_root(b);
   const auto& root_a = from_a.empty() ? a : from_a.back()->parent;
   const auto& root_b = from_b.empty() ? b : from_b.back()->parent;
   if (root_a != root_b) return std::nullopt;
@@ -180,7 +197,7 @@ std::optional<std::pair<FrameTree::Way, FrameTree::Way>> FrameTree::ways(
 
 bool FrameTree::connects(const std::string& a, const std::string& b) const
 {
-  return ways(a, b).has_value();
+  return chains(a, b).has_value();
 }
 
 std::string FrameTree::child_towards(const std::string& parent, const std::string& frame) const
@@ -194,10 +211,10 @@ std::string FrameTree::child_towards(const std::string& parent, const std::strin
   return "";
 }
 
-std::optional<CPose3D> FrameTree::T_along(const Way& way, std::int64_t stamp_ns)
+std::optional<CPose3D> FrameTree::T_along(const Chain& chain, std::int64_t stamp_ns)
 {
   CPose3D T;
-  for (const auto* link : way)
+  for (const auto* link : chain)
   {
     const auto T_parent_child = link->fixed ? link->fixed : link->moving.at(stamp_ns);
     if (!T_parent_child) return std::nullopt;
@@ -209,7 +226,7 @@ std::optional<CPose3D> FrameTree::T_along(const Way& way, std::int64_t stamp_ns)
 std::optional<CPose3D> FrameTree::T_between(
     const std::string& from, const std::string& to, std::int64_t stamp_ns) const
 {
-  const auto both = ways(from, to);
+  const auto both = chains(from, to);
   if (!both) return std::nullopt;
   const auto T_common_from = T_along(both->first, stamp_ns);
   const auto T_common_to = T_along(both->second, stamp_ns);
@@ -220,11 +237,11 @@ std::optional<CPose3D> FrameTree::T_between(
 std::optional<std::int64_t> FrameTree::known_until(
     const std::string& from, const std::string& to) const
 {
-  const auto both = ways(from, to);
+  const auto both = chains(from, to);
   std::optional<std::int64_t> until;
   if (!both) return until;
-  for (const auto* way : {&both->first, &both->second})
-    for (const auto* link : *way)
+  for (const auto* chain : {&both->first, &both->second})
+    for (const auto* link : *chain)
       if (!link->fixed)
       {
         if (link->moving.all().empty()) return std::nullopt;
@@ -237,12 +254,12 @@ std::optional<std::int64_t> FrameTree::known_until(
 std::vector<std::int64_t> FrameTree::times_between(
     const std::string& from, const std::string& to) const
 {
-  const auto both = ways(from, to);
+  const auto both = chains(from, to);
   std::vector<std::int64_t> times;
   if (!both) return times;
   const PoseHistory* most = nullptr;
-  for (const auto* way : {&both->first, &both->second})
-    for (const auto* link : *way)
+  for (const auto* chain : {&both->first, &both->second})
+    for (const auto* link : *chain)
       if (!link->fixed && (!most || link->moving.all().size() > most->all().size()))
         most = &link->moving;
   if (!most) return times;

@@ -19,6 +19,9 @@ struct StampedPose
   mrpt::math::TPose3DQuat pose;
 };
 
+/** For messages: "map, odom"; a few of many. */
+std::string listed(const std::vector<std::string>& names);
+
 /** Whether `frame` is `name` of some robot: "robot1/base_link". */
 bool is_of_robot(const std::string& frame, const std::string& name);
 
@@ -30,7 +33,8 @@ class PoseHistory
   bool add(std::int64_t stamp_ns, const mrpt::math::TPose3DQuat& pose);
   /** In order of time; before the next two are asked for. */
   void sort();
-  /** Interpolated; nothing more than 0.1 s outside of the history. */
+  /** Interpolated; nothing more than 0.1 s outside of the history, unless all of it is one pose: a
+   * mounting that is published now and then, or late. */
   std::optional<mrpt::poses::CPose3D> at(std::int64_t stamp_ns) const;
   const std::vector<StampedPose>& all() const { return all_; }
   void clear() { all_ = {}; }
@@ -39,6 +43,7 @@ class PoseHistory
 
  private:
   std::vector<StampedPose> all_;
+  bool is_constant_ = false;
 };
 
 /** The frames of TF: each below one parent, at a place that is fixed or moves. */
@@ -50,8 +55,8 @@ class FrameTree
   void add(const FrameTransform& transform, bool is_static);
   void sort();
 
-  /** Drops the histories of long ones that lie on no way from these frames to the root. */
-  void keep_ways_of(const std::vector<std::string>& frames);
+  /** Drops the histories of long ones that lie on no chain from these frames to the root. */
+  void keep_chains_of(const std::vector<std::string>& frames);
   /** Poses in all histories. */
   std::size_t size() const { return size_; }
   /** Of sorted ones. */
@@ -70,7 +75,7 @@ class FrameTree
   std::optional<mrpt::poses::CPose3D> T_between(
       const std::string& from, const std::string& to, std::int64_t stamp_ns) const;
 
-  /** The times at which the chain moves: those of the link that is told most often. */
+  /** The times at which the chain moves: those of the link with the most poses. */
   std::vector<std::int64_t> times_between(const std::string& from, const std::string& to) const;
   /** Until when all of its moving links are known; nothing where none moves. */
   std::optional<std::int64_t> known_until(const std::string& from, const std::string& to) const;
@@ -85,11 +90,11 @@ class FrameTree
     std::optional<mrpt::poses::CPose3D> fixed;
     PoseHistory moving;
   };
-  using Way = std::vector<const Link*>;
-  Way way_to_root(const std::string& frame) const;
+  using Chain = std::vector<const Link*>;
+  Chain chain_to_root(const std::string& frame) const;
   /** Without what both have in common at the root's end; nothing where they are not connected. */
-  std::optional<std::pair<Way, Way>> ways(const std::string& a, const std::string& b) const;
-  static std::optional<mrpt::poses::CPose3D> T_along(const Way& way, std::int64_t stamp_ns);
+  std::optional<std::pair<Chain, Chain>> chains(const std::string& a, const std::string& b) const;
+  static std::optional<mrpt::poses::CPose3D> T_along(const Chain& chain, std::int64_t stamp_ns);
 
   std::map<std::string, Link> links_;  //!< by the child
   std::set<std::string> conflicts_;

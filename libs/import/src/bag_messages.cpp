@@ -93,15 +93,12 @@ CloudMessage read_livox(std::string_view message)
 /** By the numbers of sensor_msgs/msg/PointField. */
 NumberType type_of(std::uint8_t number, const std::string& field)
 {
-  constexpr std::array kTypes = {NumberType::Int8,    NumberType::UInt8,   NumberType::Int16,
-                                 NumberType::UInt16,  NumberType::Int32,   NumberType::UInt32,
-                                 NumberType::Float32, NumberType::Float64, NumberType::Int64,
-                                 NumberType::UInt64,  NumberType::UInt8};  // the last: a truth
-  if (number < 1 || number > kTypes.size())
+  constexpr std::uint8_t kTruth = 11;
+  if (number < 1 || number > kTruth)
     throw CdrError(
         "has a field '" + field.substr(0, 24) + "' of type " + std::to_string(number) +
         ", which is not known");
-  return kTypes[number - 1U];
+  return number == kTruth ? NumberType::UInt8 : static_cast<NumberType>(number - 1);
 }
 
 CloudMessage::Field field_of(CdrReader& in)
@@ -248,7 +245,7 @@ void collect_points(
   require_sizes(cloud);
   PointCollector collector({cloud.fields.begin(), cloud.fields.end()}, points, place, out);
   require_places(cloud, collector.wanted());
-  std::vector<FieldPlace> places(cloud.fields.size());
+  std::vector<FieldPosition> places(cloud.fields.size());
   for (std::size_t row = 0; row < cloud.height; ++row)
   {
     const char* const data = cloud.data.data() + row * row_step_of(cloud);

@@ -16,6 +16,8 @@ namespace talus::import
 // Of messages of ROS 2 what is needed of them. Each throws CdrError where the message is
 // damaged.
 
+inline double seconds(std::int64_t time_ns) { return static_cast<double>(time_ns) * 1e-9; }
+
 struct MessageHeader
 {
   std::int64_t stamp_ns = 0;  //!< since the epoch; 0: not set

@@ -12,17 +12,6 @@ namespace talus::import
 {
 namespace
 {
-double seconds(std::int64_t stamp_ns) { return static_cast<double>(stamp_ns) * 1e-9; }
-
-std::string listed(const std::vector<std::string>& names)
-{
-  constexpr std::size_t kMax = 40, kMaxText = 60;
-  std::string list;
-  for (std::size_t i = 0; i < std::min(names.size(), kMax); ++i)
-    list += (list.empty() ? "" : ", ") + names[i].substr(0, kMaxText);
-  return names.empty() ? "none" : list + (names.size() > kMax ? ", ..." : "");
-}
-
 /** Whether the user named the topic of these clouds. */
 bool is_named(const std::string& topic, const SourceOptions& options)
 {
@@ -191,9 +180,9 @@ std::optional<CPose3D> BagMotion::T_base_sensor(
 {
   if (!base_.empty() && sensor_frame == base_) return CPose3D();
   if (tree_.connects(base_, sensor_frame)) return tree_.T_between(base_, sensor_frame, stamp_ns);
-  if (told_frames_.insert(sensor_frame).second)
+  if (reported_frames_.insert(sensor_frame).second)
     remark(
-        "TF does not tell how '" + sensor_frame.substr(0, 60) + "' is mounted on " +
+        "TF does not say how '" + sensor_frame.substr(0, 60) + "' is mounted on " +
         (base_.empty() ? "the base" : "'" + base_.substr(0, 60) + "'") +
         " (it has: " + listed(tree_.frames()) +
         "): the sensor is taken to be at the base. --base-frame names another base, --mount the "

@@ -10,9 +10,8 @@
 #include <vector>
 
 #include "bag_clock.h"
-#include "bag_copies.h"
+#include "bag_clouds.h"
 #include "bag_frames.h"
-#include "bag_no_returns.h"
 #include "bag_reader.h"
 #include "bag_topics.h"
 #include "point_times.h"
@@ -118,7 +117,7 @@ class BagMotion
   io::Trajectory poses_;
   StampOffsets tf_offsets_, pose_offsets_;
   std::vector<std::string> remarks_;
-  std::set<std::string> told_frames_;
+  std::set<std::string> reported_frames_;
 };
 
 }  // namespace talus::import

@@ -80,7 +80,7 @@ void BagMotion::read_message(BagReader& reader, const BagMessage& message, BagRo
 std::map<std::size_t, std::vector<std::array<double, 3>>> BagMotion::no_returns() const
 {
   std::map<std::size_t, std::vector<std::array<double, 3>>> places;
-  for (const auto& topic : cloud_topics_) places[topic.topic] = topic.no_returns.places();
+  for (const auto& topic : cloud_topics_) places[topic.topic] = topic.no_returns.points();
   return places;
 }
 
@@ -99,7 +99,7 @@ bool BagMotion::is_of_other_order(std::size_t topic) const
       [&](const CloudTopic& t) { return t.topic == topic && t.is_of_other_order; });
 }
 
-/** How it is mounted, whether it is a map and has points of no return: of scans the first few tell.
+/** How it is mounted, whether it is a map and has points of no return: by the first few scans.
  */
 void BagMotion::add_cloud(BagReader& reader, const BagMessage& message, std::string_view payload)
 {
@@ -215,7 +215,7 @@ void BagMotion::prune(bool is_full)
         if (frame == base || is_of_robot(frame, base)) ends.push_back(frame);
     for (const auto& topic : pose_topics_) ends.push_back(topic.child);
     ends.push_back(base_);
-    tree_.keep_ways_of(ends);
+    tree_.keep_chains_of(ends);
   }
   prune_at_ = std::max(kPruneAt, 2 * tree_.size());
 }

@@ -26,7 +26,7 @@ BagReader::BagReader(const std::vector<std::string>& paths, bool partial)
   auto bag = files_of_bags(paths);
   for (const auto& file : bag.files) add(file, partial);
   remarks_ = std::move(bag.remarks);
-  told_ = std::move(bag.told);
+  stated_ = std::move(bag.stated);
   std::stable_sort(
       files_.begin(), files_.end(),
       [](const File& a, const File& b) { return a.first_ns < b.first_ns; });
@@ -163,7 +163,7 @@ std::uint64_t BagReader::bytes() const
   return sum;
 }
 
-/** metadata.yaml is written last: where messages were lost since, it is what tells. */
+/** metadata.yaml is written last: where messages were lost since, it shows that. */
 void BagReader::compare_counts(std::vector<std::string>& remarks) const
 {
   std::map<std::string, std::uint64_t> are;
@@ -172,11 +172,11 @@ void BagReader::compare_counts(std::vector<std::string>& remarks) const
     const auto counts = file.file->counts();
     for (std::size_t i = 0; i < counts.size(); ++i) are[topics_[file.topics[i]].name] += counts[i];
   }
-  for (const auto& [topic, count] : told_)
+  for (const auto& [topic, count] : stated_)
     if (are[topic] != count)
       remarks.push_back(
           topic.substr(0, 100) + ": the messages that are there are " + std::to_string(are[topic]) +
-          ", those that metadata.yaml tells of " + std::to_string(count));
+          ", those that metadata.yaml counts " + std::to_string(count));
 }
 
 std::vector<std::string> BagReader::remarks() const

@@ -14,7 +14,7 @@ namespace talus::import
 struct FilesOfBag
 {
   std::vector<std::string> files;
-  std::map<std::string, std::uint64_t> told;  //!< messages by topic; empty: nobody tells
+  std::map<std::string, std::uint64_t> stated;  //!< messages by topic; empty: not stated
   std::vector<std::string> remarks;  //!< what a person should know, a sentence each
 };
 
@@ -63,9 +63,9 @@ class BagReader
   {
     std::string path;
     std::unique_ptr<BagFile> file;
-    std::vector<std::size_t> topics;  //!< places in topics_ of its own
+    std::vector<std::size_t> topics;  //!< indices of topics_ of its own
     std::int64_t first_ns = 0;
-    std::optional<BagMessage> pending;  //!< its next one; topic is a place in topics_
+    std::optional<BagMessage> pending;  //!< its next one; topic is an index of topics_
   };
   void add(const std::string& path, bool partial);
   void start_file(File& file);
@@ -75,7 +75,7 @@ class BagReader
 
   std::vector<File> files_;  //!< in the order of their first messages
   std::vector<std::string> remarks_;
-  std::map<std::string, std::uint64_t> told_;  //!< messages by topic, by metadata.yaml
+  std::map<std::string, std::uint64_t> stated_;  //!< messages by topic, by metadata.yaml
   std::vector<BagTopic> topics_;
   std::vector<bool> wanted_;
   std::size_t due_ = 0;  //!< the next of files_ to be started

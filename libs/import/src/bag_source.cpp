@@ -19,8 +19,6 @@ namespace talus::import
 {
 namespace
 {
-double seconds(std::int64_t time_ns) { return static_cast<double>(time_ns) * 1e-9; }
-
 /** For errors. */
 std::string name_of(const std::vector<std::string>& paths)
 {
@@ -29,7 +27,7 @@ std::string name_of(const std::vector<std::string>& paths)
 }
 
 /** "(0, 0, 0.7)", several with "and". */
-std::string places_text(const std::vector<std::array<double, 3>>& places)
+std::string points_text(const std::vector<std::array<double, 3>>& places)
 {
   std::string text;
   for (const auto& p : places)
@@ -49,7 +47,12 @@ struct Sensor
   std::int64_t not_mounted_ns = 0;  //!< the first of those
   double off_s = 0;  //!< the time of recording of the first scan, after its stamp
   StampOffsets offsets;
+
+  bool has_lost_many() const { return 10 * late > scans + late; }
 };
+
+constexpr const char* kLate =
+    "are left out: their stamps are before those of the scans before them";
 
 class BagSource : public ScanSource
 {
@@ -116,7 +119,7 @@ bool BagSource::read_scan(const BagMessage& message, ImportedScan& scan)
     auto cloud = read_cloud(reader_.payload(), reader_.topics()[message.topic].type);
     cloud.is_big_endian ^= motion_.is_of_other_order(message.topic);
     auto& sensor = sensors_[message.topic];
-    file_.no_return_places = no_returns_[message.topic];
+    file_.no_return_points = no_returns_[message.topic];
     collect_points(cloud, reader_.place(), file_, most_points(reader_));
     sensor.no_returns += file_.no_returns;
     return place(cloud, message, scan);
@@ -133,20 +136,21 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
 {
   auto& sensor = sensors_[message.topic];
   require_one_file(sensor, message);
-  const auto told_ns = cloud.header.stamp_ns == 0 ? message.log_time_ns : cloud.header.stamp_ns;
+  const bool is_stamped = cloud.header.stamp_ns != 0;
+  const auto stated_ns = is_stamped ? cloud.header.stamp_ns : message.log_time_ns;
   const auto& topic = reader_.topics()[message.topic].name;
   const auto& clock = motion_.clock(message.topic);
   const bool has_times = !file_.time.empty();
   sensor.broken_times += clock.leave_out_broken(file_);
-  auto times_s = clock.times_since(seconds(told_ns), file_);
+  auto times_s = clock.times_since(seconds(stated_ns), file_);
   sensor.not_timed += has_times && times_s.empty() ? 1 : 0;
   float last_s = 0;
   for (const float time_s : times_s) last_s = std::max(last_s, time_s);
-  const auto stamp_ns = is_recorded(topic)
+  const auto stamp_ns = is_recorded(topic) || !is_stamped
                             ? message.log_time_ns - std::llround(1e9 * static_cast<double>(last_s))
-                            : told_ns;
-  sensor.not_stamped += cloud.header.stamp_ns == 0 ? 1 : 0;
-  sensor.offsets.add(message.log_time_ns, stamp_ns);
+                            : stated_ns;
+  sensor.not_stamped += is_stamped ? 0 : 1;
+  if (is_stamped) sensor.offsets.add(message.log_time_ns, stamp_ns, static_cast<double>(last_s));
   if (stamp_ns < sensor.last_ns) return ++sensor.late, false;
   const auto* given = options_.mounting_of(topic);
   const auto T_base_sensor = given ? std::optional<mrpt::poses::CPose3D>(*given)
@@ -156,7 +160,7 @@ bool BagSource::place(const CloudMessage& cloud, const BagMessage& message, Impo
     if (sensor.not_mounted++ == 0) sensor.not_mounted_ns = stamp_ns;
     return false;
   }
-  if (sensor.scans++ == 0) sensor.off_s = seconds(stamp_ns - told_ns);
+  if (sensor.scans++ == 0) sensor.off_s = seconds(stamp_ns - stated_ns);
   sensor.last_ns = stamp_ns;
   scan.sensor_label = topic;
   scan.T_base_sensor = *T_base_sensor;
@@ -194,7 +198,7 @@ void BagSource::require_scans() const
     if (roles_[i] == BagRole::Cloud) names += (names.empty() ? "" : ", ") + topic.substr(0, 100);
     if (sensor.scans > 0 || sensor.not_mounted == 0) continue;
     throw std::runtime_error(
-        path_ + ": TF tells the mounting of " + topic + " at the time of none of its " +
+        path_ + ": TF has the mounting of " + topic + " at the time of none of its " +
         std::to_string(sensor.not_mounted) + " scans, of which the first is of " +
         number_text(seconds(sensor.not_mounted_ns), 13) +
         " s. If its sensor has a clock of its own, pass --recorded-times: scans then have the time "
@@ -220,9 +224,8 @@ std::vector<std::string> BagSource::remarks() const
   {
     const auto& sensor = sensors_[i];
     const auto& topic = reader_.topics()[i].name;
-    count(
-        sensor.late, topic, "are left out: their stamps are before those of the scans before them");
-    count(sensor.not_mounted, topic, "are left out: TF does not tell the mounting at their time");
+    if (!sensor.has_lost_many()) count(sensor.late, topic, kLate);
+    count(sensor.not_mounted, topic, "are left out: TF has no mounting at their time");
     if (const auto why = motion_.clock(i).why_none(); !why.empty() && sensor.scans > 0)
       all.push_back(topic + ": " + why);
     else
@@ -244,7 +247,7 @@ std::vector<std::string> BagSource::remarks() const
       all.push_back(
           topic + ": " + std::to_string(sensor.no_returns) +
           " points are left out: in each of the first scans some lie at exactly " +
-          places_text(no_returns_.at(i)) + ", as rays without a return");
+          points_text(no_returns_.at(i)) + ", as rays without a return");
     if (is_recorded(topic))
       count(
           sensor.scans, topic,
@@ -262,12 +265,20 @@ std::vector<std::string> BagSource::warnings() const
 {
   std::vector<std::string> all;
   for (std::size_t i = 0; i < sensors_.size(); ++i)
-    if (const auto clock = sensors_[i].offsets.with(motion_.pose_offsets()); !clock.warning.empty())
+  {
+    const auto& sensor = sensors_[i];
+    const std::string topic = reader_.topics()[i].name + ": ";
+    if (const auto clock = sensor.offsets.with(motion_.pose_offsets()); !clock.warning.empty())
       all.push_back(
-          reader_.topics()[i].name + ": " + clock.warning +
+          topic + clock.warning +
           (options_.recorded_times
                ? ". --poses FILE gives poses with the times of recording"
                : ". --recorded-times takes the times of recording for the scans"));
+    if (sensor.has_lost_many())
+      all.push_back(
+          topic + std::to_string(sensor.late) + " of " +
+          std::to_string(sensor.scans + sensor.late) + " scans " + kLate);
+  }
   return all;
 }
 

@@ -102,15 +102,18 @@ SqliteFile::SqliteFile(const std::string& path, bool partial)
   stop();
 }
 
-/** Of pages that are still in a log the header may tell before they are there. */
-bool SqliteFile::is_short() const { return !base_.has_log() && file_.size() < header_.told_bytes; }
+/** Of pages that are still in a log the header may count before they are there. */
+bool SqliteFile::is_short() const
+{
+  return !base_.has_log() && file_.size() < header_.stated_bytes;
+}
 
 void SqliteFile::require_whole() const
 {
   if (is_short())
     throw std::runtime_error(
         path_ + ": is cut: it has " + std::to_string(file_.size()) + " of " +
-        std::to_string(header_.told_bytes) +
+        std::to_string(header_.stated_bytes) +
         " bytes. Copy it again; where there is no better copy, --partial reads what is whole.");
 }
 
@@ -154,8 +157,8 @@ bool SqliteFile::is_sound()
 {
   try
   {
-    const auto told = base_.ask("PRAGMA quick_check(1)");
-    return !is_short() && base_.step(told.get()) && text_of(told.get(), 0) == "ok";
+    const auto answer = base_.ask("PRAGMA quick_check(1)");
+    return !is_short() && base_.step(answer.get()) && text_of(answer.get(), 0) == "ok";
   }
   catch (const SqliteDamaged&)
   {

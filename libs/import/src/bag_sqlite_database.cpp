@@ -49,7 +49,7 @@ SqliteHeader::SqliteHeader(const std::string& path, FileBytes& file)
     throw std::runtime_error(
         path + ": has a header without a size of its pages. Copy the bag again.");
   is_wal = number(19, 1) == 2;
-  if (number(24, 4) == number(92, 4)) told_bytes = page_bytes * number(28, 4);
+  if (number(24, 4) == number(92, 4)) stated_bytes = page_bytes * number(28, 4);
 }
 
 FilesOfDatabase::FilesOfDatabase(const std::string& path) : path_(path), states_(look())

@@ -27,7 +27,7 @@ struct SqliteHeader
   SqliteHeader(const std::string& path, FileBytes& file);
 
   std::uint64_t page_bytes = 0;
-  std::uint64_t told_bytes = 0;  //!< size of the file; 0: it does not say
+  std::uint64_t stated_bytes = 0;  //!< size of the file; 0: it does not say
   bool is_wal = false;  //!< whether what is written last is kept in a file beside it
 };
 

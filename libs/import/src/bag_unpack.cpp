@@ -64,9 +64,9 @@ void unpack_bag_data(
         std::to_string(packed.size()) + " packed bytes no more than " + std::to_string(size.most) +
         " are taken");
   };
-  if (size.told.value_or(0) > size.most) throw too_much(*size.told);
+  if (size.expected.value_or(0) > size.most) throw too_much(*size.expected);
   // One more than may come out shows that there is more.
-  const std::size_t most = size.told.value_or(size.most + 1);
+  const std::size_t most = size.expected.value_or(size.most + 1);
   out.clear();
   if (packing == BagPacking::None)
     out.assign(packed.begin(), packed.end());
@@ -74,11 +74,11 @@ void unpack_bag_data(
     unpack_lz4(packed, most, size.is_cut, out);
   else
     unpack_zstd(packed, most, size.is_cut, out);
-  if (!size.told && out.size() > size.most) throw too_much(out.size());
-  if (size.told && !size.is_cut && out.size() != *size.told)
+  if (!size.expected && out.size() > size.most) throw too_much(out.size());
+  if (size.expected && !size.is_cut && out.size() != *size.expected)
     throw std::runtime_error(
         "unpacks to " + std::to_string(out.size()) + " bytes instead of " +
-        std::to_string(*size.told));
+        std::to_string(*size.expected));
 }
 
 }  // namespace talus::import

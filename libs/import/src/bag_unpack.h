@@ -16,13 +16,13 @@ enum class BagPacking
 
 bool is_zstd(std::string_view data);
 
-/** Bytes that so many packed ones may unpack to: a message of some KB must not take the memory of
+/** Bytes that packed ones may unpack to: a message of some KB must not take the memory of
  * the machine, and the cloud of a scanner that sees nothing packs very well. */
 std::size_t most_unpacked(std::uint64_t packed_bytes);
 
 struct UnpackedSize
 {
-  std::optional<std::size_t> told;  //!< what must come out; without: what comes up to the end
+  std::optional<std::size_t> expected;  //!< what must come out; without: what comes up to the end
   std::size_t most = 0;  //!< more is an error
   bool is_cut = false;  //!< the packed data are: what comes out of them will do
 };

@@ -13,7 +13,7 @@ namespace
 {
 constexpr std::size_t kFloat_bytes = 4;
 
-/** The fields that are given, else those of the data set that the name tells. */
+/** The fields that are given, else those of the data set by the name. */
 std::vector<PointField> fields_of(const std::string& path, const std::vector<std::string>& given)
 {
   const std::vector<std::string> kitti = {"x", "y", "z", "reflectance"},
@@ -32,7 +32,7 @@ std::string listed(const std::vector<PointField>& fields)
   return list;
 }
 
-/** What --fields may say of so many floats a point. */
+/** What --fields may be for that count of floats a point. */
 std::string example_of(std::size_t floats)
 {
   std::string fields = "x,y,z";
@@ -53,7 +53,7 @@ void require_count(
   const bool is_whole = bytes.size() % point_bytes == 0;
   if (floats != fields.size())
     throw std::runtime_error(
-        path + ": has " + std::to_string(floats) + " floats a point, as its numbers tell, not " +
+        path + ": has " + std::to_string(floats) + " floats a point, as its numbers show, not " +
         std::to_string(fields.size()) + " (" + listed(fields) +
         "). Name them in their order, for example " + example_of(floats) + ".");
   if (is_whole) return;
@@ -104,7 +104,7 @@ void read_bin(const std::string& path, ScanFile& out)
   auto with_label = fields;
   if (!labels.empty()) with_label.push_back({out.values, NumberType::UInt32});
   PointCollector points(with_label, count, path, out);
-  auto places = places_of(fields, bytes.data(), count, is_big_endian_host());
+  auto places = positions_of(fields, bytes.data(), count, is_big_endian_host());
   places.push_back({reinterpret_cast<const char*>(labels.data()), sizeof labels[0], false});
   points.add_records(places, count);
   require_distances(path, out);

@@ -89,10 +89,10 @@ std::uint64_t CdrReader::u64() { return number<std::uint64_t>(); }
 double CdrReader::f64() { return number<double>(); }
 std::string CdrReader::string() { return number<std::string>(); }
 
-std::uint32_t CdrReader::count(std::size_t least_bytes)
+std::uint32_t CdrReader::count(std::size_t min_bytes)
 {
   const std::uint32_t n = u32();
-  if (n > impl_->left() / least_bytes)
+  if (n > impl_->left() / min_bytes)
     throw CdrError(
         "holds " + std::to_string(n) + " elements by its count, but only " +
         std::to_string(impl_->left()) + " bytes");

@@ -34,8 +34,8 @@ class CdrReader
   double f64();
   std::string string();
 
-  /** The length of a sequence whose elements take at least so many bytes each. */
-  std::uint32_t count(std::size_t least_bytes);
+  /** The length of a sequence whose elements take at least `min_bytes` each. */
+  std::uint32_t count(std::size_t min_bytes);
 
   /** A sequence of bytes, where it lies in the message. */
   std::string_view bytes();

@@ -31,7 +31,8 @@ struct FolderPoses
   std::vector<double> times_s;  //!< of those in `tum`, where they say the times of the scans
   /** Of the sensor, one a scan; a scan may have none. Empty: all have none. */
   std::vector<std::optional<mrpt::poses::CPose3D>> T_map_sensor;
-  std::size_t scans = 0;  //!< so many of the first scans are read: those with poses, by --partial
+  std::size_t scans =
+      0;  //!< count of the first scans that are read: those with poses, by --partial
 };
 
 /** Reads `path`, which is not empty. `have_times`: something else says when the scans were taken.

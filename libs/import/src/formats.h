@@ -18,9 +18,9 @@ constexpr std::uint64_t kLargestScan_bytes = std::uint64_t{1} << 30;
 // what is wrong and what to do. Takes no more memory than some times the bytes of the file (a
 // compressed one: of what it unpacks to, which kLargestScan_bytes bounds).
 
-/** Floats without a header. ScanFile::fields tells the names in the order of a point; empty: those
+/** Floats without a header. ScanFile::fields has the names in the order of a point; empty: those
  * of KITTI (x, y, z, reflectance), or of nuScenes (x, y, z, intensity, ring) for its `.pcd.bin`.
- * Refused where the numbers tell that a point has another count of them. */
+ * Refused where the numbers show that a point has another count of them. */
 void read_bin(const std::string& path, ScanFile& out);
 
 /** The Point Cloud Library's: ascii, binary and binary_compressed, version 0.6 and 0.7. */
@@ -43,7 +43,7 @@ std::unique_ptr<ScanSource> open_bag_source(
 struct Format
 {
   std::vector<std::string_view> endings;  //!< of its files, in small letters
-  std::vector<std::string_view> marks;  //!< its first bytes; none: these tell nothing
+  std::vector<std::string_view> marks;  //!< its first bytes; none: any
   bool is_scan;  //!< a folder of such files is an input, too
   void (*read)(const std::string& path, ScanFile& out) = nullptr;  //!< one scan
   std::unique_ptr<ScanSource> (*open)(
@@ -85,7 +85,7 @@ std::string endings_of_scans();
  * `velodyne_points/data`. Empty: none has any. */
 std::string folder_with_scans(const std::string& path);
 
-/** Throws std::runtime_error: the file tells its fields, and options.fields do so, too. */
+/** Throws std::runtime_error: the file names its fields, and options.fields do so, too. */
 [[noreturn]] void refuse_fields(const std::string& path);
 
 }  // namespace talus::import

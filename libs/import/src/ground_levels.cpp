@@ -109,7 +109,7 @@ bool GroundLevels::is_above_ground(const Node& node)
 void GroundLevels::reach_rest()
 {
   grounds_.clear();
-  constexpr std::size_t kMin = 400, kAbove = 20;  // columns: 25 m2; one of so many
+  constexpr std::size_t kMin = 400, kAbove = 20;  // columns: 25 m2; one in this count
   struct Surface
   {
     std::vector<Node> nodes;

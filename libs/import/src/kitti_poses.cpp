@@ -89,7 +89,7 @@ bool is_kitti_poses(const std::string& path)
     std::size_t words = 0;
     for (auto word = lines.next_word(); !word.empty(); word = lines.next_word(), ++words)
       if (!number_from(word)) break;
-    if (lines.line().find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    if (lines.is_blank()) continue;
     if (lines.line()[0] != '#') return words == kNumbers || words == kNumbers + 1;
   }
   return false;
@@ -102,8 +102,7 @@ KittiPoses read_kitti_poses(const std::string& path)
   KittiPoses all;
   while (lines.next_line())
   {
-    if (lines.line().find_first_not_of(" \t\r") == std::string_view::npos || lines.line()[0] == '#')
-      continue;
+    if (lines.is_blank() || lines.line()[0] == '#') continue;
     if (all.poses.empty() ? count_words(lines) == kNumbers + 1 : !all.frames.empty())
       all.frames.push_back(read_frame(path, lines));
     all.poses.push_back(read_pose(path, lines));

@@ -13,7 +13,7 @@ namespace talus::import
  * class_of_semantickitti(). */
 constexpr const char *kLabels = "label", *kSemanticKitti = "semantickitti";
 
-/** Those of a scan of so many points: `labels/000000.label` beside the folder of
+/** Those of a scan of `points`: `labels/000000.label` beside the folder of
  * `velodyne/000000.bin`, else `000000.label` beside it. Empty for a scan without points. Throws
  * std::runtime_error that names the file, also where it has another number of labels. */
 std::vector<std::uint32_t> read_labels(const std::string& scan, std::size_t points);
@@ -22,9 +22,9 @@ std::vector<std::uint32_t> read_labels(const std::string& scan, std::size_t poin
  * one, and so is what is alike to a robot. Others become 0. */
 std::uint32_t class_of_semantickitti(std::uint32_t label);
 
-/** How many floats a point of a .bin file really has, where its numbers tell, and not `expected`;
- * else `expected`. Read with a wrong count, each column is a mixture of all of them: coordinates,
- * intensities, whole numbers of beams. */
+/** How many floats a point of a .bin file really has, where its numbers show that, and not
+ * `expected`; else `expected`. Read with a wrong count, each column is a mixture of all of them:
+ * coordinates, intensities, whole numbers of beams. */
 std::size_t floats_a_point(std::string_view bytes, std::size_t expected);
 
 }  // namespace talus::import

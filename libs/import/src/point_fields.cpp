@@ -28,6 +28,31 @@ double as(const char* bytes, bool swapped)
   return static_cast<double>(value);
 }
 
+struct TypeRow
+{
+  char kind;
+  std::size_t bytes;
+  double (*read)(const char* bytes, bool swapped);
+  const char *name, *long_name;  //!< of PLY
+};
+/** In the order of NumberType. */
+constexpr TypeRow kTypes[] = {
+    {'I', 1, as<std::int8_t>, "char", "int8"},    {'U', 1, as<std::uint8_t>, "uchar", "uint8"},
+    {'I', 2, as<std::int16_t>, "short", "int16"}, {'U', 2, as<std::uint16_t>, "ushort", "uint16"},
+    {'I', 4, as<std::int32_t>, "int", "int32"},   {'U', 4, as<std::uint32_t>, "uint", "uint32"},
+    {'F', 4, as<float>, "float", "float32"},      {'F', 8, as<double>, "double", "float64"},
+    {'I', 8, as<std::int64_t>, "int64", "long"},  {'U', 8, as<std::uint64_t>, "uint64", "ulong"}};
+
+const TypeRow& row_of(NumberType type) { return kTypes[static_cast<std::size_t>(type)]; }
+
+template <class Is>
+std::optional<NumberType> first_type(const Is& is)
+{
+  const auto* const row = std::find_if(std::begin(kTypes), std::end(kTypes), is);
+  if (row == std::end(kTypes)) return std::nullopt;
+  return static_cast<NumberType>(row - std::begin(kTypes));
+}
+
 /** In small letters, and without what CloudCompare puts before the names of its own fields. */
 std::string plain_name(const std::string& name)
 {
@@ -105,23 +130,21 @@ void require_exact(const ScanFile& file, const std::array<double, 3>& origin_m)
 }
 }  // namespace
 
-std::size_t bytes_of(NumberType type)
+std::size_t bytes_of(NumberType type) { return row_of(type).bytes; }
+
+double number_at(const char* bytes, NumberType type, bool swapped)
 {
-  switch (type)
-  {
-    case NumberType::Int8:
-    case NumberType::UInt8:
-      return 1;
-    case NumberType::Int16:
-    case NumberType::UInt16:
-      return 2;
-    case NumberType::Int32:
-    case NumberType::UInt32:
-    case NumberType::Float32:
-      return 4;
-    default:
-      return 8;
-  }
+  return row_of(type).read(bytes, swapped);
+}
+
+std::optional<NumberType> number_type_of(char kind, std::size_t bytes)
+{
+  return first_type([=](const TypeRow& row) { return row.kind == kind && row.bytes == bytes; });
+}
+
+std::optional<NumberType> number_type_named(std::string_view name)
+{
+  return first_type([=](const TypeRow& row) { return name == row.name || name == row.long_name; });
 }
 
 std::size_t bytes_of(const std::vector<PointField>& fields)
@@ -131,18 +154,11 @@ std::size_t bytes_of(const std::vector<PointField>& fields)
   return bytes;
 }
 
-std::vector<PointField> in_text(std::vector<PointField> fields)
-{
-  for (PointField& f : fields)
-    if (f.type == NumberType::Float32) f.type = NumberType::Float64;
-  return fields;
-}
-
-std::vector<FieldPlace> places_of(
+std::vector<FieldPosition> positions_of(
     const std::vector<PointField>& fields, const char* data, std::size_t points, bool swapped,
     bool by_field)
 {
-  std::vector<FieldPlace> places;
+  std::vector<FieldPosition> places;
   places.reserve(fields.size());
   const std::size_t point_bytes = bytes_of(fields);
   for (const PointField& f : fields)
@@ -160,33 +176,6 @@ bool is_big_endian_host()
   char first = 0;
   std::memcpy(&first, &one, 1);
   return first == 0;
-}
-
-double number_at(const char* bytes, NumberType type, bool swapped)
-{
-  switch (type)
-  {
-    case NumberType::Int8:
-      return as<std::int8_t>(bytes, swapped);
-    case NumberType::UInt8:
-      return as<std::uint8_t>(bytes, swapped);
-    case NumberType::Int16:
-      return as<std::int16_t>(bytes, swapped);
-    case NumberType::UInt16:
-      return as<std::uint16_t>(bytes, swapped);
-    case NumberType::Int32:
-      return as<std::int32_t>(bytes, swapped);
-    case NumberType::UInt32:
-      return as<std::uint32_t>(bytes, swapped);
-    case NumberType::Int64:
-      return as<std::int64_t>(bytes, swapped);
-    case NumberType::UInt64:
-      return as<std::uint64_t>(bytes, swapped);
-    case NumberType::Float32:
-      return as<float>(bytes, swapped);
-    default:
-      return as<double>(bytes, swapped);
-  }
 }
 
 PointCollector::PointCollector(
@@ -309,13 +298,13 @@ std::uint32_t PointCollector::rgb_of(const double* values) const
 }
 
 bool PointCollector::add_records(
-    const std::vector<FieldPlace>& places, std::size_t count, std::size_t most)
+    const std::vector<FieldPosition>& places, std::size_t count, std::size_t most)
 {
   for (std::size_t i = 0; i < count; ++i)
   {
     for (std::size_t k = 0; k < values_.size(); ++k)
     {
-      const FieldPlace& at = places[wanted_[k]];
+      const FieldPosition& at = places[wanted_[k]];
       values_[k] = number_at(at.first + i * at.step, types_[k], at.swapped);
     }
     add(values_.data());
@@ -351,8 +340,8 @@ void PointCollector::add(const double* values)
     ++out_->not_finite;
     return;
   }
-  for (const auto& place : out_->no_return_places)
-    if (std::equal(place.begin(), place.end(), values)) return void(++out_->no_returns);
+  for (const auto& place : out_->no_return_points)
+    if (place == std::array<double, 3>{x_m, y_m, z_m}) return void(++out_->no_returns);
   out_->x_m.push_back(x_m);
   out_->y_m.push_back(y_m);
   out_->z_m.push_back(z_m);

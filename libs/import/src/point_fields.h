@@ -17,7 +17,7 @@ namespace talus::import
 /** No sensor sees its points so far away: these are world coordinates. Floats count 1 mm here. */
 constexpr double kWorld_m = 1e4;
 
-/** A number in a file. */
+/** A number in a file, in the order of sensor_msgs/msg/PointField. */
 enum class NumberType
 {
   Int8,
@@ -26,13 +26,18 @@ enum class NumberType
   UInt16,
   Int32,
   UInt32,
-  Int64,
-  UInt64,
   Float32,
-  Float64
+  Float64,
+  Int64,
+  UInt64
 };
 
 std::size_t bytes_of(NumberType type);
+
+/** As .pcd files have it: F, I or U, and its bytes. */
+std::optional<NumberType> number_type_of(char kind, std::size_t bytes);
+/** As .ply files have it: "uchar", or "uint8". */
+std::optional<NumberType> number_type_named(std::string_view name);
 
 /** Files are little-endian unless they say otherwise. */
 bool is_big_endian_host();
@@ -51,11 +56,8 @@ struct PointField
 /** Bytes of a point whose fields follow each other. */
 std::size_t bytes_of(const std::vector<PointField>& fields);
 
-/** Text has all digits, whatever the type is called. */
-std::vector<PointField> in_text(std::vector<PointField> fields);
-
 /** Where the numbers of a field are in bytes. */
-struct FieldPlace
+struct FieldPosition
 {
   const char* first;  //!< of the first point
   std::size_t step;  //!< from one point to the next [bytes]
@@ -63,7 +65,7 @@ struct FieldPlace
 };
 
 /** Of points whose fields follow each other; `by_field`: all numbers of a field do. */
-std::vector<FieldPlace> places_of(
+std::vector<FieldPosition> positions_of(
     const std::vector<PointField>& fields, const char* data, std::size_t points, bool swapped,
     bool by_field = false);
 
@@ -79,12 +81,12 @@ struct ScanFile
   std::vector<std::uint16_t> ring;
   std::vector<std::array<double, 3>> seen_from_m;  //!< the sensor in the frame of the points
   std::size_t not_finite = 0;  //!< points that are left out
-  std::size_t no_returns = 0;  //!< these too: they lie at one of no_return_places
+  std::size_t no_returns = 0;  //!< these too: they lie at one of no_return_points
   std::optional<mrpt::poses::CPose3D> viewpoint;  //!< the sensor in the map, where it says so
   std::string values;  //!< set before it is read, see SourceOptions
   std::vector<std::string> fields;  //!< so is this
   double scale = 1;  //!< and this
-  std::vector<std::array<double, 3>> no_return_places;  //!< and these
+  std::vector<std::array<double, 3>> no_return_points;  //!< and these
 
   /** Forgets all but what was set before. */
   void clear()
@@ -93,7 +95,7 @@ struct ScanFile
     empty.values.swap(values);
     empty.fields.swap(fields);
     empty.scale = scale;
-    empty.no_return_places.swap(no_return_places);
+    empty.no_return_points.swap(no_return_points);
     *this = std::move(empty);
   }
 };
@@ -112,10 +114,10 @@ class PointCollector
   /** Of the fields, those that are needed. */
   const std::vector<std::size_t>& wanted() const { return wanted_; }
 
-  /** So many points, of which each field has its place. False: stops, as these are more points than
-   * `most`. */
+  /** `count` points, of which each field has its position. False: stops, as these are more points
+   * than `most`. */
   bool add_records(
-      const std::vector<FieldPlace>& places, std::size_t count,
+      const std::vector<FieldPosition>& places, std::size_t count,
       std::size_t most = std::numeric_limits<std::size_t>::max());
   /** The point of a line of text. Throws std::runtime_error, the `place` of the line and what is
    * wrong. */
@@ -138,9 +140,9 @@ class PointCollector
 
   std::vector<std::size_t> wanted_;
   std::vector<NumberType> types_;  //!< in bytes: colours that are called a float are none
-  std::vector<std::size_t> columns_;  //!< of each number of a line, its place in wanted_, or kNone
+  std::vector<std::size_t> columns_;  //!< of each number of a line, its index in wanted_, or kNone
   std::vector<double> values_;  //!< of one point
-  int intensity_ = -1, time_ = -1, ring_ = -1;  //!< places in wanted_
+  int intensity_ = -1, time_ = -1, ring_ = -1;  //!< indices in wanted_
   int rgb_ = -1, red_ = -1, green_ = -1, blue_ = -1;
   int seen_from_[3] = {-1, -1, -1};
   bool is_rgb_text_ = false;  //!< the bits of a float as decimals

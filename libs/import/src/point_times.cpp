@@ -87,7 +87,7 @@ double PointClock::first_s(const ScanFile& scan) const
 
 std::size_t PointClock::leave_out_broken(ScanFile& scan) const
 {
-  constexpr std::size_t kMany = 10;  // one of so many
+  constexpr std::size_t kMany = 10;  // one in this count
   const std::size_t points = scan.time.size();
   if (points == 0) return 0;
   if (unit_s_ == 0) return scan.time.clear(), 0;

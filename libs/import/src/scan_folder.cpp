@@ -70,10 +70,10 @@ class ScanFolder : public ScanSource
   void set_clock();
   /** The time of the scan that was just read: a file's own where nothing beside it says one. */
   double time_of_scan(std::size_t number);
-  void tell_once(bool& told, const std::string& remark)
+  void remark_once(bool& done, const std::string& remark)
   {
-    if (!told) remarks_.push_back(remark);
-    told = true;
+    if (!done) remarks_.push_back(remark);
+    done = true;
   }
   void require_order(std::size_t number, double time_s) const;
 
@@ -89,7 +89,7 @@ class ScanFolder : public ScanSource
   ScanFile file_;
   std::size_t next_ = 0;
   std::vector<std::string> remarks_;
-  bool told_rate_ = false, told_times_ = false, told_counts_ = false;
+  bool said_rate_ = false, said_times_ = false, said_counts_ = false;
 };
 
 ScanFolder::ScanFolder(const Input& input, const SourceOptions& options)
@@ -196,13 +196,13 @@ double ScanFolder::time_of_scan(std::size_t number)
     return first_s;
   if (!poses_.times_s.empty())
   {
-    tell_once(
-        told_rate_, "nothing says when the scans of " + layout_.label +
+    remark_once(
+        said_rate_, "nothing says when the scans of " + layout_.label +
                         " were taken: one at each of the poses, of which there are as many");
     return poses_.times_s[number];
   }
-  tell_once(
-      told_rate_, "nothing says when the scans of " + layout_.label +
+  remark_once(
+      said_rate_, "nothing says when the scans of " + layout_.label +
                       " were taken: " + number_text(rate_hz_) + " a second (--rate)");
   return static_cast<double>(number) / rate_hz_;
 }
@@ -234,8 +234,8 @@ bool ScanFolder::next(ImportedScan& scan)
   scan.point_time_s = clock_.times_since(time_s, file_);
   take_points(file_, scan);
   if (scan.point_time_s.empty() && has_times && clock_.why_none().empty())
-    tell_once(
-        told_times_,
+    remark_once(
+        said_times_,
         "the times of the points are left out: they lie more than a minute from those "
         "of the scans, first in " +
             layout_.scans[number]);
@@ -263,8 +263,8 @@ io::Trajectory ScanFolder::poses()
   auto entries = io::Trajectory::load(poses_.tum).entries();
   if (!count_scans(entries, times_s_)) return io::Trajectory(std::move(entries));
   for (std::size_t i = 0; i < entries.size(); ++i) entries[i].time_s = times_s_[i];
-  tell_once(
-      told_counts_, "the times of the poses in " + poses_.tum + " count the scans: one for each");
+  remark_once(
+      said_counts_, "the times of the poses in " + poses_.tum + " count the scans: one for each");
   return io::Trajectory(std::move(entries));
 }
 }  // namespace

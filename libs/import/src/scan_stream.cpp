@@ -15,9 +15,9 @@
 #include <utility>
 
 #include "bag_clock.h"
+#include "bag_clouds.h"
 #include "bag_frames.h"
 #include "bag_messages.h"
-#include "bag_no_returns.h"
 #include "bag_topics.h"
 #include "cdr_reader.h"
 #include "placed_scans.h"
@@ -35,22 +35,12 @@ constexpr double kSettle_s = 1;  //!< within which a better source of poses is h
 constexpr double kMaxGap_s = 0.5;  //!< between poses, as talus-map has it
 constexpr std::size_t kMaxWaiting = 20;  //!< clouds: a map that lags behind is of no use
 
-double seconds(std::int64_t time_ns) { return static_cast<double>(time_ns) * 1e-9; }
 std::int64_t nanoseconds(double time_s) { return static_cast<std::int64_t>(time_s * 1e9); }
 
 /** Nothing is packed: points have bytes of their own. */
 std::uint64_t max_points(const CloudMessage& cloud)
 {
   return std::max<std::uint64_t>(std::uint64_t{1} << 20, cloud.data.size());
-}
-
-std::string listed(const std::vector<std::string>& names)
-{
-  constexpr std::size_t kMax = 20, kMaxText = 60;
-  std::string list;
-  for (std::size_t i = 0; i < std::min(names.size(), kMax); ++i)
-    list += (list.empty() ? "" : ", ") + names[i].substr(0, kMaxText);
-  return names.empty() ? "none" : list + (names.size() > kMax ? ", ..." : "");
 }
 
 /** What is known of one topic with clouds. */
@@ -61,9 +51,9 @@ struct Sensor
   bool is_of_other_order = false;  //!< of bytes, than it says
   bool learns_no_returns = true;
   NoReturns no_returns;
-  std::vector<std::array<double, 3>> no_return_places;
+  std::vector<std::array<double, 3>> no_return_points;
   PointClock clock;
-  int clock_scans = 0;  //!< that tell its unit
+  int clock_scans = 0;  //!< by which its unit is estimated
   std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
   StampOffsets offsets;
   std::deque<double> apart_s;  //!< its last scans
@@ -120,9 +110,7 @@ struct ScanStream::Impl
   void take(const BagTopic& topic, BagRole role, std::string_view message, double now_s);
   void take_cloud(const BagTopic& from, std::string_view message, double now_s);
   void meet(const std::string& topic, const CloudMessage& cloud);
-  void await(
-      const std::string& topic, Sensor& sensor, const std::string& frame, std::int64_t stamp_ns,
-      double now_s);
+  void await(const std::string& topic, Sensor& sensor, const MessageHeader& header, double now_s);
   void take_odometry(const std::string& topic, FrameTransform pose, double now_s);
   bool is_of_this_time(std::int64_t stamp_ns, double now_s);
   void choose_frames(double now_s);
@@ -370,21 +358,21 @@ void ScanStream::Impl::take_cloud(const BagTopic& from, std::string_view message
     ++counts.stale;
     return;
   }
-  file.no_return_places = sensor.no_return_places;
+  file.no_return_points = sensor.no_return_points;
   collect_points(cloud, topic, file, max_points(cloud));
   if (sensor.learns_no_returns && !(sensor.learns_no_returns = sensor.no_returns.add(file)))
-    sensor.no_return_places = sensor.no_returns.places();
-  await(topic, sensor, cloud.header.frame, stamp_ns, now_s);
+    sensor.no_return_points = sensor.no_returns.points();
+  await(topic, sensor, cloud.header, now_s);
 }
 
 /** The points that were read, as a scan that has no pose yet. */
 void ScanStream::Impl::await(
-    const std::string& topic, Sensor& sensor, const std::string& frame, std::int64_t stamp_ns,
-    double now_s)
+    const std::string& topic, Sensor& sensor, const MessageHeader& header, double now_s)
 {
   Waiting cloud;
-  cloud.frame = frame;
-  cloud.stamp_ns = stamp_ns;
+  cloud.frame = header.frame;
+  std::int64_t& stamp_ns = cloud.stamp_ns;
+  stamp_ns = header.stamp_ns == 0 ? nanoseconds(now_s) : header.stamp_ns;
   cloud.since_s = now_s;
   auto& scan = cloud.scan;
   scan.sensor_label = topic;
@@ -406,6 +394,11 @@ void ScanStream::Impl::await(
         std::minmax_element(scan.point_time_s.begin(), scan.point_time_s.end());
     cloud.first_s = *first;
     cloud.last_s = *last;
+  }
+  if (header.stamp_ns == 0)  // it came after its last point
+  {
+    stamp_ns -= nanoseconds(cloud.last_s);
+    scan.time_s = seconds(stamp_ns);
   }
   if (sensor.last_ns > 0) counts.missing += sensor.missing(seconds(stamp_ns - sensor.last_ns));
   sensor.last_ns = stamp_ns;
@@ -429,7 +422,7 @@ const io::Trajectory& ScanStream::Impl::recent_poses() const
 }
 
 /** Whether the poses reach from the stamp to this time after it, so that none that comes later
- * changes what they tell. */
+ * changes them. */
 bool ScanStream::Impl::has_poses_until(const Waiting& cloud, double last_s) const
 {
   constexpr double kStep_s = 1e-6;  // more than what logs round
@@ -496,7 +489,7 @@ std::string ScanStream::why_late() const
 {
   if (impl_->why_late.empty()) return "";
   return impl_->why_late +
-         ". --max-wait waits longer; --mount TOPIC=X,Y,Z,YAW,PITCH,ROLL tells a mounting";
+         ". --max-wait waits longer; --mount TOPIC=X,Y,Z,YAW,PITCH,ROLL gives a mounting";
 }
 
 }  // namespace talus::import

@@ -105,8 +105,7 @@ std::vector<double> read_times(const std::string& path)
   std::vector<double> times_s;
   while (lines.next_line())
   {
-    TextLines probe = lines;
-    if (probe.next_word().empty()) continue;
+    if (lines.is_blank()) continue;
     const auto time_s = time_of_line(lines);
     constexpr double kLatest_s = 1e11;
     if (!time_s || !(std::abs(*time_s) <= kLatest_s))

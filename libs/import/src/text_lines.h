@@ -43,7 +43,6 @@ class TextLines
   /** The next word of the line; empty at its end. */
   std::string_view next_word()
   {
-    constexpr std::string_view kBlank = " \t\r\v\f";
     const std::size_t begin = std::min(rest_.find_first_not_of(kBlank), rest_.size());
     const std::size_t end = std::min(rest_.find_first_of(kBlank, begin), rest_.size());
     const std::string_view word = rest_.substr(begin, end - begin);
@@ -52,11 +51,13 @@ class TextLines
   }
 
   std::string_view line() const { return line_; }
+  bool is_blank() const { return line_.find_first_not_of(kBlank) == std::string_view::npos; }
   std::size_t line_number() const { return number_; }
   /** Where the next line begins [bytes]. */
   std::size_t position() const { return at_; }
 
  private:
+  static constexpr std::string_view kBlank = " \t\r\v\f";
   std::string_view text_, line_, rest_;
   std::size_t at_ = 0, number_ = 0;
 };

@@ -86,7 +86,7 @@ void WholeMap::move_by(const CPose3D& T_map_cloud)
         cloud_.x_m[i], cloud_.y_m[i], cloud_.z_m[i], cloud_.x_m[i], cloud_.y_m[i], cloud_.z_m[i]);
 }
 
-/** A place is as large as the way of the robot during a scan. They follow each other as on a way:
+/** A place is as large as the path of the robot during a scan. They follow each other as on a path:
  * each time the nearest one. */
 void WholeMap::cut_by_viewpoints(GroundLevels& ground, const SourceOptions& options)
 {
@@ -185,7 +185,7 @@ void WholeMap::cut_into_tiles(GroundLevels& ground)
       "one). "
       "From where its points were seen is unknown, so no ray shows what is free: cells without "
       "points "
-      "are unknown, what moved while it was recorded stands, and holes in the ground are not told "
+      "are unknown, what moved while it was recorded stands, and holes in the ground are not known "
       "from ground that was not seen. Cells twice as large as the distance of its points leave few "
       "gaps (-s resolution=0.1)");
   remarks_.push_back(

@@ -16,7 +16,7 @@ double hidden_share(const ScanFile& cloud);
 
 /** A cloud that is no scan of one place, but what a SLAM program made of a drive. Where each point
  * says from where it was seen (vp_x, vp_y, vp_z), there is a scan from each of these places. Else
- * the cloud is cut into tiles, each with a sensor above its ground, so that no ray tells anything
+ * the cloud is cut into tiles, each with a sensor above its ground, so that no ray shows anything
  * but its end. Null: it is a scan. */
 std::unique_ptr<ScanSource> open_whole_map(const Input& input, const SourceOptions& options);
 

@@ -6,7 +6,7 @@
 
 namespace talus::calibrate
 {
-/** A place of the robot's way: the ground below its base. */
+/** A position on the robot's path: the ground below its base. */
 struct DrivenPlace
 {
   Eigen::Vector3d ground_m;  //!< map frame
@@ -14,7 +14,7 @@ struct DrivenPlace
   double time_s = 0;
 };
 
-/** The way in steps of a few centimetres; `base_height_m` is that of the base above the ground. */
+/** The path in steps of a few centimetres; `base_height_m` is that of the base above the ground. */
 std::vector<DrivenPlace> driven_places(const PoseTrack& track, double base_height_m);
 
 /** The mean of the places inside a square, or nothing. */

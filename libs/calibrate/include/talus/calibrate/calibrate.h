@@ -12,7 +12,7 @@ struct Options
 {
   Vector given = Vector::Zero();  //!< mounting and time offset as they are believed to be
   /** Use that the robot stands on the ground: its base is ScanSet::base_height_m() above it and
-   * parallel to it, on average over the way. */
+   * parallel to it, on average over the path. */
   bool use_contact = true;
   double max_time_offset_s = 0.3;  //!< larger estimates are refused
   NoiseKind noise_kind = NoiseKind::Auto;

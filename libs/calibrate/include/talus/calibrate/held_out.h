@@ -57,7 +57,7 @@ Vector disagreement_of_halves(
 Vector level_mounting(const ScanSet& scans, const Vector& given);
 
 /** Throws std::runtime_error that says what to do where the ground leans by more than 10 degrees
- * under the robot in the median frame: what the log does not tell was given wrong. */
+ * under the robot in the median frame: what the log does not show was given wrong. */
 void require_level_ground(const ScanSet& scans, const Vector& v);
 
 /** The same mounting with half a turn of roll more. */

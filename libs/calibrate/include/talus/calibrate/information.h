@@ -14,7 +14,7 @@ struct Information
 {
   Matrix normal = Matrix::Zero();  //!< J^T W J
   /** The part of `normal` that is there only because the planes' slopes err: on a level floor noise
-   * tilts each plane a little, and a tilted plane seems to tell x, y and yaw. */
+   * tilts each plane a little, and a tilted plane seems to determine x, y and yaw. */
   Matrix feigned = Matrix::Zero();
   /** Covariance of the gradient, from how the gradients of patches and of stretches of time differ
    * (clusters both ways): counts errors that points share, of the poses or of ground that is not

@@ -19,9 +19,10 @@ struct NoiseFit
 {
   NoiseModel model;
   std::array<double, kNoiseParameters> sigma{};  //!< of c_beam, a_beam, lambda_t, ground
-  /** False: not told apart from 0, and set to 0. */
+  /** False: not significantly different from 0, and set to 0. */
   std::array<bool, kNoiseParameters> constrained{};
-  bool turns = false;  //!< the sensor tilts between frames, without which nothing tells lambda_t
+  bool turns =
+      false;  //!< the sensor tilts between frames, without which lambda_t is not observable
   double outlier_share = 0;
   double log_likelihood = 0;  //!< a point
   std::size_t points = 0;

@@ -34,7 +34,7 @@ class PoseTrack
   double last_s() const { return knots_.back().time_s; }
   /** Time of the first pose after this time; infinite after the last. */
   double next_s(double time_s) const;
-  /** Length of the way [m], and the largest turn between the first pose and any other [rad]. */
+  /** Length of the path [m], and the largest turn between the first pose and any other [rad]. */
   double length_m() const;
   double turn_rad() const;
 

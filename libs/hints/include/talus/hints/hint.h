@@ -14,7 +14,7 @@ enum class Kind
   WrongAxes,  //!< walls fit where the poses are mirrored, swapped or turned
   Sideways,  //!< the robot drives sideways to its heading
   PoseJumps,  //!< the poses leap
-  LevelPoses,  //!< the way climbs, and the poses stay level
+  LevelPoses,  //!< the path climbs, and the poses stay level
   NotDeskewed,  //!< scans that are sweeps of a robot that turns fast
   LateClock,  //!< the stamps of the scans do not fit those of the poses
   Contradiction,  //!< scans see one place at several heights

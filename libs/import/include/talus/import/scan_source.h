@@ -24,7 +24,7 @@ struct ImportedScan
   /** Where x_m, y_m and z_m count from [m]: 0, but for points in world coordinates, which are more
    * than a float can hold. Those that open_scan_source() gives are always 0. */
   std::array<double, 3> origin_m{};
-  /** The pose of the sensor, where its source has one for each scan; else its poses() tell. */
+  /** The pose of the sensor, where its source has one for each scan; else its poses() count. */
   std::optional<mrpt::poses::CPose3D> T_map_sensor;
   std::vector<float> intensity;  //!< as the file has it, or the values of SourceOptions::values;
                                  //!< empty, or one a point
@@ -123,8 +123,8 @@ const Format* format_by_ending(const std::string& path);
 /** What is read as one: a file, a folder of scans, or ROS 2 bags. */
 struct Input
 {
-  /** Looks at its first bytes, or at its ending where these do not tell, or into the folder. Opens
-   * regular files only. */
+  /** Looks at its first bytes, or at its ending where these do not show it, or into the folder.
+   * Opens regular files only. */
   explicit Input(const std::string& path);
 
   /** Of ROS 2: a folder, or .db3 and .mcap. */

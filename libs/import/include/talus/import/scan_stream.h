@@ -16,7 +16,7 @@ struct StreamCounts
   std::size_t without_times = 0;  //!< of these: the poses ended before the last of their points
   std::size_t late = 0;  //!< left out: no pose or mounting came in time
   std::size_t dropped = 0;  //!< left out: they came faster than they were taken
-  std::size_t missing = 0;  //!< did not come, as the stamps of others tell
+  std::size_t missing = 0;  //!< did not come, by the stamps of others
   std::size_t stale = 0;  //!< left out: not newer than the scan before of the same sensor
   std::size_t refused = 0;  //!< left out: damaged, or not readable as a scan
 };
@@ -43,7 +43,7 @@ bool is_path(const std::string& type);
 
 /** Scans of a robot that is running: messages of ROS 2 go in as they come, and scans come out once
  * the poses of their time are known. Clouds, frames and times are read as those of a bag, but
- * nothing is known ahead: a sensor whose mounting is not told gives no scan. */
+ * nothing is known ahead: a sensor whose mounting is not known gives no scan. */
 class ScanStream
 {
  public:
@@ -59,7 +59,7 @@ class ScanStream
   bool wants(const std::string& topic) const;
 
   /** Takes a message. `now_s`: when it came, seconds since the epoch. What is damaged is counted
-   * and told. */
+   * and reported. */
   void add(
       const std::string& topic, const std::string& type, std::string_view message, double now_s);
 

@@ -2,6 +2,7 @@
 #include <mrpt/poses/CPose3D.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -34,6 +35,22 @@ class FirstClouds
     std::vector<std::array<float, 3>> points_m;
   };
   std::vector<Cloud> clouds_;
+};
+
+/** Where the first clouds of a sensor all have a point, bit by bit, that stands alone or comes
+ * several times: a driver that brings its points into another frame puts there what gave no return.
+ * At the origin the map leaves these out by their range. */
+class NoReturns
+{
+ public:
+  /** False: these were enough. */
+  bool add(const ScanFile& cloud);
+  /** None where there are more than a few, as where nothing moves in front of an exact sensor. */
+  std::vector<std::array<double, 3>> points() const;
+
+ private:
+  std::size_t clouds_ = 0;
+  std::vector<std::array<double, 3>> points_;  //!< of all clouds so far
 };
 
 }  // namespace talus::import

@@ -1,8 +1,9 @@
-#include "bag_copies.h"
+#include "bag_clouds.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <unordered_set>
 
 namespace talus::import
@@ -26,6 +27,29 @@ std::array<double, 3> in_base(const mrpt::poses::CPose3D& T, const std::array<fl
   std::array<double, 3> moved{};
   T.composePoint(p[0], p[1], p[2], moved[0], moved[1], moved[2]);
   return moved;
+}
+
+using Point = std::array<double, 3>;
+constexpr double kOnRobot_m = 3;  // from the frame of the points to the sensor
+constexpr double kAlone_m = 0.3;  // points of one surface are closer there
+
+double squared(const Point& a, const Point& b = {})
+{
+  const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+  return x * x + y * y + z * z;
+}
+
+/** Of sorted points. */
+bool stands_alone(const std::vector<Point>& points, const Point& point)
+{
+  const auto [first, last] = std::equal_range(points.begin(), points.end(), point);
+  if (last - first != 1) return last != first;
+  const auto is_near = [&](const Point& p) { return squared(p, point) < kAlone_m * kAlone_m; };
+  for (auto p = first; p != points.begin() && (--p)->front() > point[0] - kAlone_m;)
+    if (is_near(*p)) return false;
+  for (auto p = last; p != points.end() && p->front() < point[0] + kAlone_m; ++p)
+    if (is_near(*p)) return false;
+  return true;
 }
 }  // namespace
 
@@ -83,6 +107,35 @@ bool FirstClouds::are_in(const FirstClouds& whole, const Mounting& mounting) con
       compared += tried > 0 ? 1 : 0;
     }
   return compared >= kMinClouds;
+}
+
+bool NoReturns::add(const ScanFile& cloud)
+{
+  constexpr std::size_t kEnough = 10;
+  if (cloud.x_m.empty()) return true;
+  std::vector<Point> near;
+  for (std::size_t i = 0; i < cloud.x_m.size(); ++i)
+  {
+    const Point p{cloud.x_m[i], cloud.y_m[i], cloud.z_m[i]};
+    if (squared(p) < std::pow(kOnRobot_m + kAlone_m, 2)) near.push_back(p);
+  }
+  std::sort(near.begin(), near.end());
+  if (clouds_++ == 0)
+  {
+    std::unique_copy(near.begin(), near.end(), std::back_inserter(points_));
+    const auto is_out = [](const Point& p)
+    { return squared(p) == 0 || squared(p) > kOnRobot_m * kOnRobot_m; };
+    points_.erase(std::remove_if(points_.begin(), points_.end(), is_out), points_.end());
+  }
+  const auto is_none = [&](const Point& p) { return !stands_alone(near, p); };
+  points_.erase(std::remove_if(points_.begin(), points_.end(), is_none), points_.end());
+  return clouds_ < kEnough;
+}
+
+std::vector<Point> NoReturns::points() const
+{
+  constexpr std::size_t kMinClouds = 5, kMaxSensors = 4;
+  return clouds_ < kMinClouds || points_.size() > kMaxSensors ? std::vector<Point>() : points_;
 }
 
 }  // namespace talus::import
