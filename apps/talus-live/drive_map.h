@@ -1,11 +1,10 @@
 #pragma once
-#include "../talus-map/settings.h"
+#include "../common/settings.h"
 
 #include <talus/elevation_mapper.h>
 #include <talus/frame_gatherer.h>
 #include <talus/import/scan_source.h>
 #include <talus/io/layer_stack.h>
-#include <talus/mrpt/observation_points.h>
 #include <talus/mrpt/observation_points.h>
 #include <talus/site/site_mapper.h>
 
