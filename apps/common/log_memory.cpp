@@ -1,9 +1,11 @@
-#include "memory_limit.h"
+#include "crash_context.h"
+#include "log_name.h"
 
 #include <talus/io/rawlog_reader.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 
 namespace talus::app
 {
@@ -34,5 +36,19 @@ std::size_t memory_for_log(const std::string& path)
 }
 
 void share_log_memory(std::size_t at_once) { processes = std::max<std::uint64_t>(at_once, 1); }
+
+io::Trajectory poses_of_log(const std::string& log, const std::string& given, std::string* source)
+{
+  std::error_code none;
+  const std::string beside = trajectory_beside(log);
+  if (given.empty() && !std::filesystem::exists(beside, none))
+    return guarded(
+        log, kLookAtLog, [&] { return io::trajectory_from_rawlog(log, source); },
+        memory_for_log(log));
+  const std::string& file = given.empty() ? beside : given;
+  if (source) *source = file;
+  return guarded(
+      file, kCompareWithSource, [&] { return io::Trajectory::load(file); }, memory_for_log(file));
+}
 
 }  // namespace talus::app

@@ -1,4 +1,4 @@
-#include "worker_pool.h"
+#include "child_process.h"
 
 #include "crash_context.h"
 #include "progress_bar.h"

@@ -9,12 +9,9 @@
 #include <talus/mrpt/observation_points.h>
 
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <set>
 #include <stdexcept>
-
-namespace fs = std::filesystem;
 
 namespace talus::calibrate
 {
@@ -25,28 +22,18 @@ constexpr double kMaxPitch = 80 * kDegree;  // beyond, roll and yaw turn about t
 
 io::Trajectory load_poses(const AppOptions& o, std::string& source)
 {
+  auto trajectory = app::poses_of_log(o.log, o.trajectory, &source);
   const std::string beside = app::trajectory_beside(o.log);
-  std::error_code ec;
-  if (o.trajectory.empty() && !fs::exists(beside, ec))
-  {
-    auto trajectory = app::guarded(
-        o.log, app::kLookAtLog, [&] { return io::trajectory_from_rawlog(o.log, &source); },
-        app::memory_for_log(o.log));
-    source += " of the log";
-    if (trajectory.entries().size() >= 2) return trajectory;
+  const bool is_own = source != o.trajectory && source != beside;
+  if (is_own) source += " of the log";
+  if (trajectory.entries().size() >= 2) return trajectory;
+  if (is_own)
     throw std::runtime_error(
         o.log + ": holds no poses of the robot. Pass --trajectory FILE, or put them into " +
         beside);
-  }
-  source = o.trajectory.empty() ? beside : o.trajectory;
-  auto trajectory = app::guarded(
-      source, app::kCompareWithSource, [&] { return io::Trajectory::load(source); },
-      app::memory_for_log(source));
-  if (trajectory.entries().size() < 2)
-    throw std::runtime_error(
-        source + ": number of poses: " + std::to_string(trajectory.entries().size()) +
-        ", which shows no motion; two or more are needed, of a robot that drives");
-  return trajectory;
+  throw std::runtime_error(
+      source + ": number of poses: " + std::to_string(trajectory.entries().size()) +
+      ", which shows no motion; two or more are needed, of a robot that drives");
 }
 
 mrpt::poses::CPose3D given_mounting(const AppOptions& o, const SensorPoints& first)

@@ -1,5 +1,5 @@
 #pragma once
-#include "../talus-map/settings.h"
+#include "../common/settings.h"
 
 #include <talus/elevation_mapper.h>
 #include <talus/frame_gatherer.h>

@@ -1,7 +1,7 @@
 #include "options.h"
 
 #include "../common/command_line.h"
-#include "../talus-map/settings.h"
+#include "../common/settings.h"
 
 #include <talus/layers.h>
 #include <talus/mrpt/parameters_ini.h>

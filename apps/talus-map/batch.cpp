@@ -4,7 +4,6 @@
 #include "../common/memory_limit.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
-#include "../common/worker_pool.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,7 +1,7 @@
 #pragma once
 #include "../common/import/import_log.h"
 #include "options.h"
-#include "settings.h"
+#include "../common/settings.h"
 
 #include <cstddef>
 #include <functional>

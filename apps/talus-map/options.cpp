@@ -1,7 +1,7 @@
 #include "options.h"
 
 #include "../common/command_line.h"
-#include "settings.h"
+#include "../common/settings.h"
 #include "../common/export/export_files.h"
 #include "job.h"
 #include "kept_site.h"

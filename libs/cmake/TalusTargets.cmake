@@ -117,6 +117,7 @@ function(talus_add_app name)
   talus_target_defaults(${name})
   talus_compile_together(${name})
   talus_reads_options(options.cpp)
+  target_compile_definitions(${name} PRIVATE TALUS_VERSION="${PROJECT_VERSION}")
   if(TALUS_APP_COMPONENT STREQUAL "bench")  # what measures this build
     return()
   endif()

@@ -7,9 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "apps/lab/talus-nav/clearance.h"
 #include "apps/lab/talus-nav/follow.h"
-#include "libs/nav/src/unseen_cells.h"
 
 namespace
 {

@@ -1,9 +1,8 @@
 // What talus is compared with, and how it is scored: against cases worked out by hand.
 #include <gtest/gtest.h>
-#include <talus/baselines/one_surface_map.h>
 #include <talus/baselines/fills.h>
 #include <talus/baselines/real_log.h>
-#include <talus/baselines/stock_maps.h>
+#include <talus/baselines/rivals.h>
 #include <talus/baselines/window_truth.h>
 
 #include <cmath>
@@ -30,22 +29,22 @@ SparseGround nothing_known(int n)
 
 TEST(HeightGridMethod, AveragesFloorAndTableTopToNeither)
 {
-  HeightGridMethod map(small_window());
-  map.update(Scan({{0.55f, 0.05f, 0.0f}, {0.55f, 0.05f, 2.0f}}).view());
-  const Surfaces s = map.read();
+  const auto map = make_method("heightgrid", small_window());
+  map->update(Scan({{0.55f, 0.05f, 0.0f}, {0.55f, 0.05f, 2.0f}}).view());
+  const Surfaces s = map->read();
   EXPECT_NEAR(at(s, s.ground_m, 0.55, 0.05), 1.0f, kFloat_m);
   EXPECT_TRUE(std::isnan(at(s, s.ground_m, 0.75, 0.05)));
 }
 
 TEST(HeightGridMethod, GrowsWithTheRobotsWay)
 {
-  HeightGridMethod map(small_window());
-  map.update(Scan({{0.55f, 0.05f, 0.1f}}).view());
+  const auto map = make_method("heightgrid", small_window());
+  map->update(Scan({{0.55f, 0.05f, 0.1f}}).view());
   Scan far({{0.55f, 0.05f, 0.3f}});
   Frame frame = far.view();
   frame.T_map_sensor.m[3] = 7.0;
-  map.update(frame);
-  const Surfaces s = map.read();
+  map->update(frame);
+  const Surfaces s = map->read();
   EXPECT_NEAR(at(s, s.ground_m, 7.55, 0.05), 0.3f, kFloat_m);
 }
 
@@ -81,24 +80,24 @@ TEST(HighestPointMap, KeepsTheHighestAndFusesWhatIsNear)
 {
   Parameters p = small_window();
   p.a_beam = 0;  // all points have the same variance
-  HighestPointMap map(p);
-  map.update(Scan({{0.55f, 0.05f, 0.0f}, {0.55f, 0.05f, 0.4f}, {0.55f, 0.05f, 0.0f}}).view());
-  Surfaces s = map.read();
+  const auto map = make_method("highest", p);
+  map->update(Scan({{0.55f, 0.05f, 0.0f}, {0.55f, 0.05f, 0.4f}, {0.55f, 0.05f, 0.0f}}).view());
+  Surfaces s = map->read();
   EXPECT_NEAR(at(s, s.elevation_m, 0.55, 0.05), 0.4f, kFloat_m);
-  map.update(Scan({{0.55f, 0.05f, 0.41f}}).view());
-  s = map.read();
+  map->update(Scan({{0.55f, 0.05f, 0.41f}}).view());
+  s = map->read();
   EXPECT_NEAR(at(s, s.elevation_m, 0.55, 0.05), 0.405f, kFloat_m);
 }
 
 TEST(HighestPointMap, ErasesOnceASecondWhatRaysWentThrough)
 {
-  HighestPointMap map(small_window());
-  map.update(Scan({{0.45f, 0.05f, 0.45f}}, 10.0).view());
-  map.update(Scan({{0.85f, 0.05f, 0.0f}}, 10.5).view());
-  Surfaces s = map.read();
+  const auto map = make_method("highest", small_window());
+  map->update(Scan({{0.45f, 0.05f, 0.45f}}, 10.0).view());
+  map->update(Scan({{0.85f, 0.05f, 0.0f}}, 10.5).view());
+  Surfaces s = map->read();
   EXPECT_NEAR(at(s, s.elevation_m, 0.45, 0.05), 0.45f, kFloat_m);
-  map.update(Scan({{0.85f, 0.05f, 0.0f}}, 11.5).view());
-  s = map.read();
+  map->update(Scan({{0.85f, 0.05f, 0.0f}}, 11.5).view());
+  s = map->read();
   EXPECT_TRUE(std::isnan(at(s, s.elevation_m, 0.45, 0.05)));
 }
 

@@ -1,7 +1,7 @@
 // How often heights lie within the deviations that are told of them.
 #include <gtest/gtest.h>
-#include <talus/baselines/height_bars.h>
-#include <talus/baselines/holdout.h>
+#include <talus/baselines/score.h>
+#include <talus/baselines/real_log.h>
 #include <talus/sim/random.h>
 
 #include <cmath>
@@ -94,7 +94,7 @@ TEST(HoldOut, ComparesTheHeightsOfTwoMapsWithWhatBothTell)
   small.parameters.window_m = 4, small.parameters.resolution_m = 0.1;
   for (const double error_m : {0.002, 0.01})
   {
-    const HoldOut out = hold_out(scan_of_a_floor(error_m), small, {}, nullptr);
+    const HoldOut out = hold_out(scan_of_a_floor(error_m), small, nullptr);
     const EstimateErrors measured = out.bars.all(0);
     ASSERT_GT(measured.count(), 100U);
     EXPECT_LT(measured.true_m(), 2 * error_m);
@@ -116,7 +116,7 @@ HoldOut held_out_of_floor(const Put& put)
   LabelMap labels;
   labels.stack = {60, 60, 0.1, -3, -3, {"ground", "label"}, {}};
   labels.stack.layers = {std::vector<float>(3600, 0), std::vector<float>(3600, LabelMap::kGround)};
-  return hold_out(scan, small, {}, &labels);
+  return hold_out(scan, small, &labels);
 }
 
 TEST(HoldOut, PredictsTheFloorAndNeitherABankNorAWall)

@@ -1,9 +1,8 @@
 // The paper's method as printed, and the maps that it was compared with: against cases worked out
 // by hand.
 #include <gtest/gtest.h>
-#include <talus/baselines/one_surface_map.h>
 #include <talus/baselines/fills.h>
-#include <talus/baselines/paper_map.h>
+#include <talus/baselines/method.h>
 
 #include <cmath>
 
@@ -75,35 +74,35 @@ TEST(CuCppMap, JudgesHalfBySlopeAndHalfByRoughness)
 
 TEST(CuCppMap, ErasesWhatRaysWentThroughInTheNextFrame)
 {
-  CuCppMap map(small_window());
-  map.update(Scan({{0.45f, 0.05f, 0.45f}}, 10.0).view());
-  map.update(Scan({{0.85f, 0.05f, 0.0f}}, 10.1).view());
-  const Surfaces s = map.read();
+  const auto map = make_method("cucpp", small_window());
+  map->update(Scan({{0.45f, 0.05f, 0.45f}}, 10.0).view());
+  map->update(Scan({{0.85f, 0.05f, 0.0f}}, 10.1).view());
+  const Surfaces s = map->read();
   EXPECT_TRUE(std::isnan(at(s, s.elevation_m, 0.45, 0.05)));
 }
 
 TEST(CuPyMap, FollowsATenthOfTheMeanErrorOnFlatCells)
 {
   Parameters p = small_window();
-  CuPyMap map(p);
-  map.update(Scan(floor_at(0), 10.0).view());
+  const auto map = make_method("cupy", p);
+  map->update(Scan(floor_at(0), 10.0).view());
   Points half;  // the other half is not hit in the second frame: drift alone moves it
   for (const auto& point : floor_at(0.02f))
     if (point[0] > 0) half.push_back(point);
-  map.update(Scan(half, 10.1).view());
-  const Surfaces s = map.read();
+  map->update(Scan(half, 10.1).view());
+  const Surfaces s = map->read();
   EXPECT_NEAR(at(s, s.ground_m, middle(2), middle(10)), 0.002f, 1e-5f);
   EXPECT_GT(at(s, s.ground_m, middle(17), middle(10)), 0.01f);
 }
 
 TEST(CuPyMap, TakesAHeightOutsideItsGateOnlyWhenItComesAgainAndAgain)
 {
-  CuPyMap map(small_window());
-  map.update(Scan({{0.55f, 0.05f, 0.0f}}, 10.0).view());
-  map.update(Scan({{0.55f, 0.05f, 0.3f}}, 10.1).view());
-  EXPECT_NEAR(at(map.read(), map.read().ground_m, 0.55, 0.05), 0.0f, kFloat_m);
-  for (int i = 2; i < 20; ++i) map.update(Scan({{0.55f, 0.05f, 0.3f}}, 10 + 0.1 * i).view());
-  EXPECT_NEAR(at(map.read(), map.read().ground_m, 0.55, 0.05), 0.3f, 0.02f);
+  const auto map = make_method("cupy", small_window());
+  map->update(Scan({{0.55f, 0.05f, 0.0f}}, 10.0).view());
+  map->update(Scan({{0.55f, 0.05f, 0.3f}}, 10.1).view());
+  EXPECT_NEAR(at(map->read(), map->read().ground_m, 0.55, 0.05), 0.0f, kFloat_m);
+  for (int i = 2; i < 20; ++i) map->update(Scan({{0.55f, 0.05f, 0.3f}}, 10 + 0.1 * i).view());
+  EXPECT_NEAR(at(map->read(), map->read().ground_m, 0.55, 0.05), 0.3f, 0.02f);
 }
 
 TEST(CuPyMap, LeavesOutWhatHangsAboveTheSensorAndFillsEveryGap)
@@ -126,8 +125,8 @@ TEST(CuPyMap, LeavesOutWhatHangsAboveTheSensorAndFillsEveryGap)
 class PrintedMap
 {
  public:
-  explicit PrintedMap(const Parameters& p = small_window()) : map_(p) {}
-  void see(const Points& points) { map_.update(Scan(points, stamp_s_ += 0.1).view()); }
+  explicit PrintedMap(const Parameters& p = small_window()) : map_(make_method("paper", p)) {}
+  void see(const Points& points) { map_->update(Scan(points, stamp_s_ += 0.1).view()); }
   float ground_m(double x_m, double y_m = 0.05) { return value(&Surfaces::ground_m, x_m, y_m); }
   float elevation_m(double x_m, double y_m = 0.05)
   {
@@ -135,19 +134,19 @@ class PrintedMap
   }
   CellState state(double x_m, double y_m = 0.05)
   {
-    const Surfaces s = map_.read();
+    const Surfaces s = map_->read();
     return static_cast<CellState>(s.state[cell_index(s.window, x_m, y_m)]);
   }
-  PaperMap& map() { return map_; }
+  Surfaces read() { return map_->read(); }
 
  private:
   float value(std::vector<float> Surfaces::*layer, double x_m, double y_m)
   {
-    const Surfaces s = map_.read();
+    const Surfaces s = map_->read();
     return at(s, s.*layer, x_m, y_m);
   }
 
-  PaperMap map_;
+  std::unique_ptr<Method> map_;
   double stamp_s_ = 0;
 };
 
@@ -170,9 +169,9 @@ TEST(PaperMap, Equation4MakesPointsLessSureAfterTheSensorHasTilted)
 {
   Parameters p = small_window();
   p.a_beam = 0;
-  PaperMap map(p);
+  const auto map = make_method("paper", p);
   Scan first({{0.55f, 0.05f, 0.0f}}, 10.0);
-  map.update(first.view());
+  map->update(first.view());
   const float angle = 0.05f, range_m = std::sqrt(0.55f * 0.55f + 0.05f * 0.05f + 0.5f * 0.5f);
   Scan second({{0.55f, 0.05f, 0.02f}}, 10.1);
   Frame frame = second.view();
@@ -182,10 +181,10 @@ TEST(PaperMap, Equation4MakesPointsLessSureAfterTheSensorHasTilted)
   const float x = 0.55f * std::cos(angle) + 0.48f * std::sin(angle);
   const float z = 0.55f * std::sin(angle) - 0.48f * std::cos(angle), y = 0.05f;
   frame.x_m = &x, frame.y_m = &y, frame.z_m = &z;
-  map.update(frame);
+  map->update(frame);
   const float before = 0.01f * 0.01f, turn_m = range_m * std::sin(angle / 2);
   const float now = before + turn_m * turn_m;
-  const Surfaces s = map.read();
+  const Surfaces s = map->read();
   // The range of the second point is a little shorter.
   EXPECT_NEAR(at(s, s.ground_m, 0.55, 0.05), 0.02f * before / (before + now), 2e-4f);
 }
@@ -265,7 +264,7 @@ TEST(PaperMap, Equations10To13OnAFloorBesideAStep)
     if (p[0] > 0.5f) p[2] = 0.1f;
   PrintedMap map;
   map.see(points);
-  const Surfaces s = map.map().read();
+  const Surfaces s = map.read();
   // 5 x 5 cells, two columns of them higher: mean 0.04; the plane rises by 0.3 over a metre.
   const double slope = 1 - std::atan(0.3) / 0.6;
   const double below = 0.4 * slope + 0.3 * (1 + 0.04 / 0.4) + 0.3 * (1 + 0.04 / 0.2);
@@ -286,7 +285,7 @@ TEST(PaperMap, Equation14CallsAOneSidedFillAmidDataADitchIfTheFarSideIsLow)
   PrintedMap map(p);
   map.see(points);
   EXPECT_EQ(map.state(0.55), CellState::FilledOneSided);
-  const Surfaces s = map.map().read();
+  const Surfaces s = map.read();
   EXPECT_EQ(at(s, s.sparsity, 0.55, 0.05), 0.0f);
   EXPECT_EQ(at(s, s.traversability, 0.55, 0.05), 0.0f);
 }

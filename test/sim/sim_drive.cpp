@@ -165,7 +165,7 @@ TEST(WorldFile, errors_name_file_line_key_and_the_nearest_known_key)
   expect("ground: [plane: {z_m: low}]\n" + robot, "bad.yaml:1: ground.plane: key 'z_m': 'low'");
   expect("ground: [plane: {}]\ngoal_m: [1, 0]\n" + robot, "--goal X,Y");
   expect("ground: [sine: {amplitude_m: 1}]\n" + robot, "key 'wavelength_m' is missing");
-  expect("ground: [plain: {}]\n" + robot, "did you mean 'plane'?");
+  expect("ground: [plan: {}]\n" + robot, "did you mean 'plane'?");
   expect(
       "ground: [plane: {}]\nseed: 1\nseed: 2\n" + robot, "bad.yaml:3: world: key 'seed' is given");
   expect("ground: [plane: {}]\nrobot: {path_m: [[0, 0, 0]]}\n", "must be a list of 2 numbers");

@@ -1,6 +1,6 @@
 // What a drive saw later, and from farther away, corrects its site.
 #include <gtest/gtest.h>
-#include <talus/baselines/sequence.h>
+#include <talus/baselines/method.h>
 #include <talus/io/geotiff.h>
 #include <talus/site/site_mapper.h>
 

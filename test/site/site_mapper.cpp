@@ -1,6 +1,6 @@
 // A whole drive is kept: what leaves the window comes back when the robot does, floor by floor.
 #include <gtest/gtest.h>
-#include <talus/baselines/sequence.h>
+#include <talus/baselines/method.h>
 #include <talus/map_view.h>
 #include <talus/site/site_mapper.h>
 

@@ -1,13 +1,26 @@
 #pragma once
+#include <algorithm>
+#include <cstddef>
+#include <ctime>
 #include <vector>
 
 namespace talus::bench
 {
 /** Of an unordered sample; q in [0, 1]. */
-double quantile(std::vector<double> sample, double q);
+inline double quantile(std::vector<double> sample, double q)
+{
+  const auto at = static_cast<std::ptrdiff_t>(q * static_cast<double>(sample.size() - 1) + 0.5);
+  std::nth_element(sample.begin(), sample.begin() + at, sample.end());
+  return sample[static_cast<std::size_t>(at)];
+}
 
 /** Processor time of all threads of this process so far [s]: time in which other processes had the
  * processor does not count. */
-double process_cpu_s();
+inline double process_cpu_s()
+{
+  std::timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
 
 }  // namespace talus::bench

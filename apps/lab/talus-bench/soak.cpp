@@ -2,13 +2,16 @@
 #include "../../common/command_line.h"
 #include "measure.h"
 #include "scans.h"
-#include "whole.h"
 
 #include <sys/resource.h>
+#ifdef TALUS_HAS_SITES
+#include <talus/site/site_mapper.h>
+#endif
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -19,6 +22,7 @@
 // Drives for hours and looks whether anything creeps: the time of a frame, memory, the place of the
 // window, the map itself.
 
+namespace fs = std::filesystem;
 using namespace talus;
 using namespace talus::bench;
 
@@ -28,6 +32,7 @@ constexpr int kWindow = 1000;  //!< frames whose quantiles are taken together
 constexpr int kStep_cells = 28;  //!< 1.4 m a frame: 100 km in an hour at 20 Hz
 constexpr int kRoad_cells = 320;
 constexpr std::size_t kPoints = 14400;
+constexpr double kMB = 1024 * 1024;
 constexpr double kAllowedGrowth_MB = 1;
 constexpr double kAllowedIndex_MB_per_km = 0.15;  //!< of tiles on disk, and the way
 constexpr double kAllowedOfTiles = 0.1;  //!< so much the allocator adds to packed tiles
@@ -79,6 +84,56 @@ class Road
   std::vector<Scan> scans_;
 };
 
+#ifdef TALUS_HAS_SITES
+/** All of a drive, kept in tiles; those for which there is no memory go to a folder. */
+class Whole
+{
+ public:
+  Whole(double resolution_m, double memory_MB, const std::string& folder)
+      : folder_(folder),
+        site_(resolution_m, static_cast<std::size_t>(memory_MB * kMB), folder),
+        mapper_(site_)
+  {
+  }
+  /** map.update(frame), and what leaves is kept. */
+  void update(ElevationMapper& map, const Frame& frame) { mapper_.update(map, frame); }
+  std::size_t tiles() const { return site_.tiles.keys().size(); }
+  double tiles_MB() const  //!< in memory
+  {
+    const site::TileStore::Memory memory = site_.tiles.memory();
+    return static_cast<double>(memory.open + memory.packed) / kMB;
+  }
+  double disk_MB() const
+  {
+    std::uintmax_t bytes = 0;
+    if (!fs::exists(folder_)) return 0;
+    for (const fs::directory_entry& hidden : fs::directory_iterator(folder_))
+      if (hidden.is_directory() && hidden.path().filename().string().rfind(".talus-tiles.", 0) == 0)
+        for (const fs::directory_entry& tile : fs::directory_iterator(hidden.path()))
+          bytes += tile.file_size();
+    return static_cast<double>(bytes) / kMB;
+  }
+
+ private:
+  std::string folder_;
+  site::Site site_;
+  site::SiteMapper mapper_;
+};
+#else
+/** Without MRPT there are no sites. */
+struct Whole
+{
+  Whole(double, double, const std::string&)
+  {
+    throw std::runtime_error("--whole needs a talus that is built with TALUS_WITH_MRPT=ON");
+  }
+  void update(ElevationMapper&, const Frame&) {}
+  std::size_t tiles() const { return 0; }
+  double tiles_MB() const { return 0; }
+  double disk_MB() const { return 0; }
+};
+#endif
+
 /** What a thousand frames took. */
 struct Pace
 {
@@ -94,7 +149,7 @@ class Soak
  public:
   explicit Soak(const Options& o) : options_(o), road_(parameters_), map_(make_map())
   {
-    if (o.whole) whole_ = make_whole(parameters_.resolution_m, o.memory_MB, o.folder);
+    if (o.whole) whole_ = std::make_unique<Whole>(parameters_.resolution_m, o.memory_MB, o.folder);
   }
 
   /** Prints a line a window and what came out; true when all is well. */

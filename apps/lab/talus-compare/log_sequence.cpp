@@ -25,22 +25,6 @@ namespace
 {
 constexpr double kMaxGap_s = 0.5;
 
-io::Trajectory poses_of(const std::string& path, const std::string& trajectory)
-{
-  const std::string beside = app::trajectory_beside(path);
-  std::error_code none;
-  const std::string file = !trajectory.empty()        ? trajectory
-                           : fs::exists(beside, none) ? beside
-                                                      : std::string();
-  if (file.empty())
-    return app::guarded(
-        path, app::kLookAtLog, [&] { return io::trajectory_from_rawlog(path); },
-        app::memory_for_log(path));
-  return app::guarded(
-      file, app::kCompareWithSource, [&] { return io::Trajectory::load(file); },
-      app::memory_for_log(file));
-}
-
 /** Where no map is: MRPT's have coordinates of 32 bits, which would be half a metre apart there. */
 bool is_nowhere(const mrpt::poses::CPose3D& T_map_base)
 {
@@ -88,7 +72,7 @@ const std::vector<float>& band(
 Sequence read_log(const std::string& path, const LogOptions& options)
 {
   const std::string& sensor = options.sensor;
-  const io::Trajectory poses = poses_of(path, options.trajectory);
+  const io::Trajectory poses = app::poses_of_log(path, options.trajectory);
   if (poses.empty())
     throw std::runtime_error("'" + path + "' holds no poses; pass --trajectory FILE");
   const std::size_t memory_bytes = app::memory_for_log(path);

@@ -29,8 +29,7 @@ constexpr const char* kSeal = "comparison.json";
 
 /** The texts among the results, and the pictures. */
 constexpr std::pair<const char*, std::string (*)(const Comparison&)> kTexts[]{
-    {"methods.csv", methods_csv}, {"fills.csv", fills_csv},       {"real_logs.csv", real_logs_csv},
-    {"labels.csv", labels_csv},   {"tables.md", tables_markdown}, {kSeal, comparison_json}};
+    {"tables.md", tables_markdown}, {kSeal, comparison_json}};
 constexpr const char* kPictures[]{"maps.png", "fills.png", "calibration_of_heights.png"};
 
 constexpr const char* kLessToCompare = "Try a shorter log or way, or fewer --methods";
@@ -100,7 +99,7 @@ void compare_log(const std::string& path, const CommandOptions& o, Comparison& o
   const auto truth = truth_of_points(sequence, o, labels);
   out.evaluations.push_back(evaluate_sequence(sequence, nullptr, nullptr, e));
   const LabelMap* const by_people = o.truth.empty() ? nullptr : &labels;
-  out.holdouts.push_back(hold_out(sequence, e, o.holdout, by_people));
+  out.holdouts.push_back(hold_out(sequence, e, by_people));
   out.real_logs.push_back(
       {sequence.name, score_real_log(sequence, out.evaluations.back(), by_people, e.parameters)});
   if (!truth.empty())

@@ -1,7 +1,7 @@
 #include "options.h"
 
 #include "../../common/command_line.h"
-#include "../../talus-map/settings.h"
+#include "../../common/settings.h"
 
 #include <talus/mrpt/parameters_ini.h>
 #include <talus/parameters.h>
@@ -30,7 +30,7 @@ std::string footer()
   return text +
          "\nExamples:\n"
          "  talus-compare datasets/worlds/table.yaml --output out\n"
-         "      simulates the world, prints tables and budgets; out/methods.csv, fills.csv,\n"
+         "      simulates the world, prints tables and budgets; out/tables.md,\n"
          "      comparison.json, maps.png, fills.png\n"
          "  talus-compare datasets/worlds/*.yaml --output out --methods talus --set "
          "fill_samples=4\n"
@@ -93,13 +93,9 @@ void add_methods(CLI::App& app, CommandOptions& o)
          "Of talus: auto, cpu or cuda; default cpu")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->type_name("NAME");
-  const auto count = [&app](const char* name, int& value, const char* help, int low, int high)
-  { app::add_checked(app, name, value, help, "N", CLI::Range(low, high))->capture_default_str(); };
-  count(
-      "--evaluate", o.evaluation.evaluated_frames, "How many frames are compared with the truth", 1,
-      10000);
-  count("--hold-out", o.holdout.every, "Without truth: keep every Nth beam from the map", 2, 1000);
-  count("--beams", o.holdout.groups, "How many bands of elevation count as beams", 2, 10000);
+  app::add_number(
+      app, "--evaluate", o.evaluation.evaluated_frames, 1, 10000, "N",
+      "How many frames are compared with the truth");
 }
 
 constexpr const char* kOfWorlds[] = {"--scanner", "--seed", "--noise", "--pose-noise", "--z-drift"};
@@ -150,9 +146,6 @@ std::string idle_option(const CLI::App& app, const CommandOptions& o)
   for (const char* name : {"--world", "--truth", "--labels", "--trajectory", "--sensor"})
     if (world != in.end() && given(name))
       return std::string(name) + " is for logs, and '" + *world + "' is a world";
-  for (const char* name : {"--hold-out", "--beams"})
-    if (given(name) && (log == in.end() || given("--world")))
-      return std::string(name) + " is for logs without the truth of a world";
   const auto& methods = o.evaluation.methods;
   if (given("--labels") && in.size() > 1) return "--labels is for one log";
   for (const char* name : {"--without", "--accept", "--expected", "--labels"})

@@ -1,7 +1,6 @@
 #pragma once
 #include <talus/baselines/real_log.h>
 #include <talus/baselines/truth_map.h>
-#include <talus/baselines/holdout.h>
 
 #include <optional>
 #include <string>
@@ -54,7 +53,6 @@ struct CommandOptions
   std::vector<int>
       without_rules;  //!< of talus, by their numbers in kernels/rules.md; in rising order
   EvaluationOptions evaluation;
-  HoldOutOptions holdout;
   bool quiet = false, check = false;
 };
 

@@ -23,6 +23,7 @@ KEPT_BACK = ["basement", "branches", "canal_lock", "clearing", "cow_shed", "farm
              "sawmill", "skate_park", "wind_throw", "unseen/fishing_slip", "unseen/laundry", "unseen/mountain_hut",
              "unseen/water_mill"]
 RISK = ["branches", "clearing", "farm_lane", "plaza", "sawmill", "wind_throw"]
+TALUS = ["--methods", "talus"]
 OF_NOTE = ["held_out", "bars", "risk"]  # parts of the note, the others belong to the page
 FEWEST_RISKY = 100  # cells in a tenth of the risk, or it has no figure
 HEIGHTS = {"measured": "measured", "fill2": "two_sided", "fill1": "one_sided", "presumed": "presumed"}
@@ -94,28 +95,21 @@ class Page:
 
     def start(self, parts):
         """The longest first."""
-        if "held_out" in parts or "scans" in parts:
-            self.start_log("street", [*CAR, "--methods", "talus"])
         if "scans" in parts:
-            self.start_log("mover", [*CAR, "--methods", "talus"])
+            for name in ("street", "mover"):
+                self.start_log(name, [*CAR, *TALUS])
             for name in CITY + SPARSE:
                 self.start_log(name, label_arguments(name))
-        if "held_out" in parts:
-            for name, (_, arguments) in HELD_OUT.items():
-                self.start_log(name, [*arguments, "--methods", "talus"])
-            for name in CITY + SPARSE:
-                self.start_log(name, [*label_arguments(name), "--methods", "talus"])
+        if "held_out" in parts or "bars" in parts:
+            for name, (_, arguments) in {**HELD_OUT, **({"mover": ("", CAR)} if "bars" in parts else {})}.items():
+                self.start_log(name, [*arguments, *TALUS])
+            for name in CITY + (SPARSE if "held_out" in parts else []):
+                self.start_log(name, [*label_arguments(name), *TALUS])
         if "worlds" in parts or "budgets" in parts:
             for world in self.world_files:
                 self.runs.start(world, [])
-
-        if "bars" in parts:
-            for name, arguments in {**{name: of for name, (_, of) in HELD_OUT.items()}, "mover": CAR}.items():
-                self.start_log(name, [*arguments, "--methods", "talus"])
-            for name in CITY:
-                self.start_log(name, [*label_arguments(name), "--methods", "talus"])
         for world in (self.kept_back if "bars" in parts else []) + (self.risk_worlds if "risk" in parts else []):
-            self.runs.start(world, ["--methods", "talus"])
+            self.runs.start(world, TALUS)
 
     def start_log(self, name, arguments):
         if not self.options.logs or name in self.options.logs:

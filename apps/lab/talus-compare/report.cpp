@@ -167,7 +167,7 @@ std::string tables(const Comparison& c, Render render, const std::string& title)
   for (const HoldOut& h : c.holdouts)
     add(h.name + ": fills, held-out ground points" + not_ground_words(h), fill_table(h.fills));
   if (const Table bars = bars_table(c); !bars.rows.empty())
-    add("heights within one and two told deviations, %", bars);
+    add("heights within one and two estimated deviations, %", bars);
   if (const Table risks = risk_table(c); !risks.rows.empty())
     add("cells that are impassable, of those that the map lets pass, %", risks);
   for (const RealLog& log : c.real_logs)
@@ -184,29 +184,6 @@ std::string left_out_words(const Comparison& c)
   for (const int rule : c.without_rules) text += (text.empty() ? "" : ", ") + std::to_string(rule);
   if (text.empty()) return {};
   return (c.without_rules.size() > 1 ? "Without rules " : "Without rule ") + text + ".";
-}
-
-/** A world or log may be called anything. */
-std::string csv_text(const std::string& text)
-{
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
-std::string csv_row(const std::string& world, const std::string& who, const Figures& values)
-{
-  std::string out = csv_text(world) + "," + who;
-  for (const auto& v : values) out += "," + (std::isnan(v.second) ? "" : number(v.second, 6));
-  return out + "\n";
-}
-
-std::string csv_heading(const std::string& who, const Figures& values)
-{
-  std::string out = "world," + who;
-  for (const auto& v : values) out += "," + v.first;
-  return out + "\n";
 }
 
 /** NaN becomes null. */
@@ -257,47 +234,6 @@ std::string tables_markdown(const Comparison& c)
   const std::string budgets = budget_markdown(c);
   out += budgets.empty() ? "\n\n" : " " + budgets;
   return out + tables(c, &Table::markdown, "## ");
-}
-
-std::string methods_csv(const Comparison& c)
-{
-  std::string out = csv_heading("method", figures(Score{}));
-  for (const Evaluation& e : c.evaluations)
-    for (const Score& s : e.maps) out += csv_row(e.name, s.method, figures(s));
-  return out;
-}
-
-std::string fills_csv(const Comparison& c)
-{
-  std::string out = csv_heading("fill", figures(FillScore{}));
-  for (const Evaluation& e : c.evaluations)
-    for (const FillScore& f : e.fills) out += csv_row(e.name, f.fill, figures(f));
-  for (const HoldOut& h : c.holdouts)
-    for (const FillScore& f : h.fills) out += csv_row(h.name + " (held out)", f.fill, figures(f));
-  return out;
-}
-
-std::string real_logs_csv(const Comparison& c)
-{
-  std::string out = csv_heading("method", real_figures(RealLogScore{}));
-  for (const RealLog& log : c.real_logs)
-    for (const RealLogScore& s : log.maps) out += csv_row(log.name, s.method, real_figures(s));
-  return out;
-}
-
-std::string labels_csv(const Comparison& c)
-{
-  std::string out = "log,scans,within,number,points,precision,recall,f1\n";
-  for (const LabelledLog& log : c.labelled)
-    for (const LabelScore& s : log.scores)
-    {
-      out += csv_text(log.name) + "," + past_text(s) + "," + reach_text(s) + "," +
-             std::to_string(s.scans) + "," + std::to_string(s.points);
-      for (const double figure : {s.precision, s.recall, s.f1})
-        out += "," + (std::isnan(figure) ? "" : number(figure, 6));
-      out += "\n";
-    }
-  return out;
 }
 
 std::string comparison_json(const Comparison& c)

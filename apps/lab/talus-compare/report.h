@@ -2,7 +2,6 @@
 #include <nlohmann/json.hpp>
 #include <talus/baselines/evaluate.h>
 #include <talus/baselines/budgets.h>
-#include <talus/baselines/holdout.h>
 #include <talus/baselines/real_log.h>
 
 #include <string>
@@ -57,11 +56,7 @@ std::string budget_markdown(const Comparison& c);
 /** The same as a page of Markdown. */
 std::string tables_markdown(const Comparison& c);
 
-/** One row a world and method (or fill), one column a figure. */
-std::string methods_csv(const Comparison& c);
-std::string fills_csv(const Comparison& c);
-std::string real_logs_csv(const Comparison& c);
-std::string labels_csv(const Comparison& c);
+/** All figures. */
 std::string comparison_json(const Comparison& c);
 
 /** Rows are worlds, columns are the truth and the traversability of each method, as in figure 8 of
@@ -88,19 +83,7 @@ std::string number(double value, int decimals);
 /** A share as a percentage with one decimal, "-" for NaN. */
 std::string percent(double share);
 
-/** How the heights of talus in one world or log, or in several, lie beside what the map estimates
- * for them. Shares of several are means over these. */
-struct BarsOf
-{
-  std::string name, sensor;
-  std::vector<const HeightBars*> each;
-};
-
-/** One a world, one a log, then all worlds and the worlds of each sensor, where there are several.
- * Empty where talus was not compared with a truth. */
-std::vector<BarsOf> bars_of(const Comparison& c);
-
-/** Rows are those of bars_of(), for each kind of height the shares within one and two estimated
+/** Rows are the worlds and logs; for each kind of height the shares within one and two estimated
  * deviations [%] and the medians of estimated and true deviation [mm]. */
 Table bars_table(const Comparison& c);
 

@@ -1,8 +1,9 @@
 #include "report.h"
 
+#include <talus/number_text.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace talus::baselines
 {
@@ -69,10 +70,7 @@ std::string Table::markdown() const
 
 std::string number(double value, int decimals)
 {
-  if (std::isnan(value)) return "-";
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
+  return std::isnan(value) ? "-" : fixed_text(value, decimals);
 }
 
 std::string percent(double share) { return number(100 * share, 1); }

@@ -3,11 +3,9 @@
 #include <talus/sim/scanner.h>
 #include <talus/sim/world.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-
-#include "options.h"
-#include "view_ahead.h"
 
 namespace talus::nav
 {
@@ -56,6 +54,17 @@ std::string mount_text(const app::Mounting& m)
   return text;
 }
 }  // namespace
+
+hints::HighestRay highest_ray(const sim::Scanner& scanner, const Pose& T_base_sensor)
+{
+  double slope = -HUGE_VAL;
+  for (const double elevation : scanner.elevations_rad)
+  {
+    const sim::Vec3 d = sim::rotate(T_base_sensor, {std::cos(elevation), 0, std::sin(elevation)});
+    if (d.x > 0) slope = std::max(slope, d.z / std::hypot(d.x, d.y));
+  }
+  return {T_base_sensor.x(), T_base_sensor.z(), slope};
+}
 
 std::string drop_table(const std::optional<app::Mounting>& mount)
 {

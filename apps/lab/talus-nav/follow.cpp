@@ -65,6 +65,65 @@ bool any_ahead(const Route& route, const Pose2& robot, double ahead_m, const Hol
   }
   return false;
 }
+
+constexpr double kStep_m = 0.03;  // of the fastest corner
+constexpr double kMin_m = 0.04;
+constexpr double kNoise_m = 0.01;  // of a place that stays where it is
+constexpr double kNearer_m = 0.002;  // so little that it comes no nearer step by step
+
+/** A place that must not come nearer than that to the outline. */
+struct Kept
+{
+  double x_m, y_m, away_m, now_m;
+  bool is_edge;
+};
+
+/** How far a place is from the outline; negative: it is inside. */
+double from_outline_m(const Footprint& f, const Point2& p)
+{
+  const double beyond_m =
+      std::max({p.x_m - f.max_x_m, f.min_x_m - p.x_m, p.y_m - f.max_y_m, f.min_y_m - p.y_m});
+  return beyond_m < 0 ? beyond_m : f.outside_m(p);
+}
+
+std::vector<Kept> near_places(
+    const std::vector<BlockedPlace>& places, const Footprint& robot, double within_m, bool narrow)
+{
+  std::vector<Kept> out;
+  double nearest_m = kKeepAway_m;
+  for (const BlockedPlace& p : places)
+  {
+    if (std::hypot(p.x_m, p.y_m) >= within_m) continue;
+    const bool close = narrow && !p.is_edge;
+    const double away_m = close ? kKeepAwayWhereNarrow_m : kKeepAway_m;
+    out.push_back({p.x_m, p.y_m, away_m, from_outline_m(robot, {p.x_m, p.y_m}), p.is_edge});
+    if (!p.is_edge && !close) nearest_m = std::min(nearest_m, out.back().now_m);
+  }
+  for (Kept& p : out)
+    if (p.is_edge)
+      p.away_m = std::min(p.away_m, p.now_m - kNearer_m);
+    else  // less where it stands closer to one, as beside a wall
+      p.away_m = std::min({p.away_m, std::max(nearest_m - kNoise_m, kMin_m), p.now_m - kNoise_m});
+  return out;
+}
+
+/** Whether a robot that went on for a time with these speeds keeps away. */
+bool is_clear_after(
+    const std::vector<Kept>& places, const Footprint& robot, double v_mps, double w_radps,
+    double time_s)
+{
+  const double yaw_rad = w_radps * time_s, c = std::cos(yaw_rad), s = std::sin(yaw_rad);
+  const bool straight = std::abs(yaw_rad) < 1e-6;
+  const double x_m = straight ? v_mps * time_s : v_mps / w_radps * s;
+  const double y_m = straight ? 0 : v_mps / w_radps * (1 - c);
+  return std::all_of(
+      places.begin(), places.end(),
+      [&](const Kept& p)
+      {
+        const double dx = p.x_m - x_m, dy = p.y_m - y_m;
+        return from_outline_m(robot, {c * dx + s * dy, -s * dx + c * dy}) >= p.away_m;
+      });
+}
 }  // namespace
 
 bool is_narrow(const Route& route, const Pose2& robot, double ahead_m)
@@ -105,6 +164,22 @@ Speeds Follower::follow(const Route& route, const Pose2& robot)
       v_mps * 2 * to.y_m / std::max(to.x_m * to.x_m + to.y_m * to.y_m, 0.01), -kTurn_radps,
       kTurn_radps);
   return {backwards ? -v_mps : v_mps, w_radps};
+}
+
+double clear_time_s(
+    const std::vector<BlockedPlace>& places, const RobotBody& body, double v_mps, double w_radps,
+    double max_s, bool narrow)
+{
+  const Footprint robot = body.footprint();
+  const double corner_m = robot.reach_m();
+  const double fastest_mps = std::abs(v_mps) + std::abs(w_radps) * corner_m;
+  if (fastest_mps == 0) return max_s;
+  const double step_s = kStep_m / fastest_mps;
+  const auto near =
+      near_places(places, robot, corner_m + kKeepAway_m + std::abs(v_mps) * max_s, narrow);
+  for (double t = step_s; t < max_s + step_s; t += step_s)
+    if (!is_clear_after(near, robot, v_mps, w_radps, t)) return t - step_s;
+  return max_s;
 }
 
 }  // namespace talus::nav

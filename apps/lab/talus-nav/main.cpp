@@ -1,5 +1,4 @@
 // talus-nav: a robot, its LiDAR, the map and MRPT's planners in a closed loop, without a display.
-#include "start_costmap.h"
 #include "../../common/child_process.h"
 #include "../../common/crash_context.h"
 #include "../../common/log_name.h"
@@ -8,8 +7,6 @@
 #include "../../common/run_app.h"
 #include "picture.h"
 #include "results.h"
-#include "settings.h"
-#include "view_ahead.h"
 
 #include <talus/io/geotiff.h>
 #include <talus/io/atomic_file.h>
@@ -38,23 +35,6 @@ enum ExitCode
 
 constexpr const char* kSimplerWorld = "Try a world with fewer things in it, and a nearer --goal";
 
-int exit_code(Ending ending)
-{
-  switch (ending)
-  {
-    case Ending::Arrived:
-      return 0;
-    case Ending::Blocked:
-      return 3;
-    case Ending::Collision:
-      return 4;
-    case Ending::Fall:
-      return 6;
-    default:
-      return 5;
-  }
-}
-
 /** Where the robot is and how it goes, for the pictures. */
 std::string title(const Options& o, const MissionResult& m, bool ended)
 {
@@ -65,7 +45,7 @@ std::string title(const Options& o, const MissionResult& m, bool ended)
       static_cast<unsigned long long>(o.seed),
       ended ? (talus::fixed_text(m.driven_m, 1) + " m in ").c_str() : "",
       ended ? m.time_s : m.steps.back().time_s, ended ? ", " : "",
-      ended ? ending_name(m.ending).c_str() : "");
+      ended ? info_of(m.ending).name : "");
   return text;
 }
 
@@ -119,7 +99,7 @@ MissionResult drive(const Options& o, const Settings& settings, const std::strin
   const auto map = make_source(o, settings, robot.body());
   Planner planner(
       robot.body().footprint(),
-      start_costmap(world, {robot.x_m(), robot.y_m()}, mission_options.goal, kCostmapCell_m));
+      start_costmap(world, {robot.x_m(), robot.y_m()}, mission_options.goal));
   const fs::path cache = fs::path(folder) / "cache";
   fs::create_directories(cache);
   fs::create_directories(fs::path(folder) / "frames");
@@ -158,7 +138,7 @@ int drive_or_tell(
     const MissionResult result = drive(o, settings, output.staging());
     finish_log(output.staging());
     if (!o.quiet) std::cout << console_summary(o, result);
-    return exit_code(result.ending);
+    return info_of(result.ending).exit_code;
   }
   catch (const WrongConfiguration& e)
   {

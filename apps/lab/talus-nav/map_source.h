@@ -79,14 +79,7 @@ std::unique_ptr<MapSource> make_terrain_source(
 
 /** Baseline: an OctoMap whose occupied voxels between two heights above the plane on which the
  * robot stands are obstacles. */
-struct OctomapOptions
-{
-  double voxel_m = 0.1;
-  double range_m = 6.0;  //!< farther points are left out
-  double lowest_m = 0.12, highest_m = 0.8;  //!< above that plane
-  int decimation = 2;  //!< takes one point of this many
-};
-std::unique_ptr<MapSource> make_octomap_source(const OctomapOptions& options);
+std::unique_ptr<MapSource> make_octomap_source();
 
 /** Baseline: an elevation map with one surface (libs/lab/baselines, "highest"); what it does not
  * know is no obstacle. */

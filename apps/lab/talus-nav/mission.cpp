@@ -26,14 +26,6 @@ double ms_of(const std::function<void()>& work)
       .count();
 }
 
-CPose3D to_mrpt(const Pose& T)
-{
-  mrpt::math::CMatrixDouble33 R;
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) R(r, c) = T.m[static_cast<std::size_t>(4 * r + c)];
-  return CPose3D(R, mrpt::math::CMatrixDouble31({T.x(), T.y(), T.z()}));
-}
-
 void set_clock(double time_s)
 {
   mrpt::Clock::setSimulatedTime(mrpt::Clock::fromDouble(kFirstStamp_s + time_s));
@@ -77,20 +69,13 @@ class Mission
  private:
   Step now(const CPose3D& T) const
   {
-    return {
-        robot_.time_s(),
-        robot_.x_m(),
-        robot_.y_m(),
-        robot_.T_map_base().z(),
-        robot_.yaw_rad(),
-        T.x(),
-        T.y(),
-        robot_.v_mps(),
-        robot_.w_radps(),
-        0,
-        0,
-        0,
-        0};
+    Step s;
+    s.time_s = robot_.time_s();
+    s.x_m = robot_.x_m(), s.y_m = robot_.y_m(), s.z_m = robot_.T_map_base().z();
+    s.yaw_rad = robot_.yaw_rad();
+    s.x_estimated_m = T.x(), s.y_estimated_m = T.y();
+    s.v_mps = robot_.v_mps(), s.w_radps = robot_.w_radps();
+    return s;
   }
 
   void sense(const CPose3D& T, Step& s)
@@ -173,23 +158,6 @@ class Mission
   bool has_way_ = false;
 };
 }  // namespace
-
-std::string ending_name(Ending ending)
-{
-  switch (ending)
-  {
-    case Ending::Arrived:
-      return "arrived";
-    case Ending::Blocked:
-      return "blocked";
-    case Ending::Collision:
-      return "collision";
-    case Ending::Fall:
-      return "fall";
-    default:
-      return "timeout";
-  }
-}
 
 MissionResult run_mission(
     const sim::World& world, SimulatedRobot& robot, MapSource& map, Pilot& pilot, Planner& planner,

@@ -17,16 +17,24 @@ enum class Ending
   Fall,  //!< over an edge below which it is deeper than it climbs
   Timeout
 };
-std::string ending_name(Ending ending);
+/** What the results call each, and the exit code of the command. */
+struct EndingInfo
+{
+  const char* name;
+  int exit_code;
+};
+constexpr EndingInfo kEndings[]{
+    {"arrived", 0}, {"blocked", 3}, {"collision", 4}, {"fall", 6}, {"timeout", 5}};
+constexpr EndingInfo info_of(Ending ending) { return kEndings[static_cast<int>(ending)]; }
 
 /** One step of the robot, as it begins. */
 struct Step
 {
-  double time_s, x_m, y_m, z_m, yaw_rad;  //!< where it is
-  double x_estimated_m, y_estimated_m;
-  double v_mps, w_radps;
-  double map_ms, plan_ms, pilot_ms;  //!< computing time
-  std::size_t obstacles;  //!< points given to the navigator
+  double time_s = 0, x_m = 0, y_m = 0, z_m = 0, yaw_rad = 0;  //!< where it is
+  double x_estimated_m = 0, y_estimated_m = 0;
+  double v_mps = 0, w_radps = 0;
+  double map_ms = 0, plan_ms = 0, pilot_ms = 0;  //!< computing time
+  std::size_t obstacles = 0;  //!< points given to the navigator
 };
 
 struct MissionOptions

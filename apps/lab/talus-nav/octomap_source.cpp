@@ -10,14 +10,15 @@ namespace talus::nav
 namespace
 {
 constexpr float kFree = 0.9F;  // probability
+constexpr double kVoxel_m = 0.1;
+constexpr float kRange_m = 6;  // farther points are left out
+constexpr double kLowest_m = 0.12, kHighest_m = 0.8;  // above the plane of the robot
+constexpr std::size_t kDecimation = 2;  // takes one point of this number
 
 class OctomapSource : public MapSource
 {
  public:
-  explicit OctomapSource(const OctomapOptions& o) : o_(o), map_(o.voxel_m)
-  {
-    map_.insertionOptions.maxrange = o.range_m;
-  }
+  OctomapSource() { map_.insertionOptions.maxrange = kRange_m; }
 
   void insert(
       const sim::Scan& scan, const mrpt::poses::CPose3D& T_map_base,
@@ -25,10 +26,10 @@ class OctomapSource : public MapSource
   {
     const auto T_map_sensor = T_map_base + T_base_sensor;
     mrpt::maps::CSimplePointsMap points;
-    for (std::size_t i = 0; i < scan.size(); i += static_cast<std::size_t>(o_.decimation))
+    for (std::size_t i = 0; i < scan.size(); i += kDecimation)
     {
       const double x_m = scan.x_m[i], y_m = scan.y_m[i], z_m = scan.z_m[i];
-      if (std::hypot(x_m, y_m, z_m) > o_.range_m) continue;
+      if (std::hypot(x_m, y_m, z_m) > kRange_m) continue;
       const auto q = T_map_sensor.composePoint(mrpt::math::TPoint3D(x_m, y_m, z_m));
       points.insertPoint(static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z));
     }
@@ -81,16 +82,16 @@ class OctomapSource : public MapSource
   template <class F>
   void for_each_voxel(const mrpt::poses::CPose3D& base, F f)
   {
-    const double side = o_.voxel_m, reach = 4.0;
-    const auto middle = [side](double v) { return (std::floor(v / side) + 0.5) * side; };
-    const auto middle_above = [side](double v) { return (std::ceil(v / side - 0.5) + 0.5) * side; };
+    constexpr double side = kVoxel_m, reach = 4.0;
+    const auto middle = [](double v) { return (std::floor(v / side) + 0.5) * side; };
+    const auto middle_above = [](double v) { return (std::ceil(v / side - 0.5) + 0.5) * side; };
     const auto& R = base.getRotationMatrix();
     for (double x = middle(base.x() - reach); x < base.x() + reach; x += side)
       for (double y = middle(base.y() - reach); y < base.y() + reach; y += side)
       {
         const double tilt = R(0, 2) * (x - base.x()) + R(1, 2) * (y - base.y());
         const double plane = base.z() - tilt / R(2, 2);
-        for (double z = middle_above(plane + o_.lowest_m); z < plane + o_.highest_m; z += side)
+        for (double z = middle_above(plane + kLowest_m); z < plane + kHighest_m; z += side)
         {
           double p = 0;
           if (map_.getPointOccupancy(
@@ -100,9 +101,9 @@ class OctomapSource : public MapSource
       }
   }
 
-  void paint(Costmap& costmap, double x, double y, float p) const
+  static void paint(Costmap& costmap, double x, double y, float p)
   {
-    const double half = 0.5 * o_.voxel_m;
+    const double half = 0.5 * kVoxel_m;
     const auto cell = [&](double at_m, double min_m)
     { return static_cast<int>(std::floor((at_m - min_m) / costmap.resolution_m)); };
     const int last_x = std::min(cell(x + half - 1e-3, costmap.min_x_m()), costmap.columns - 1);
@@ -112,14 +113,10 @@ class OctomapSource : public MapSource
         costmap.free[costmap.index(ix, iy)] = p;
   }
 
-  OctomapOptions o_;
-  mrpt::maps::COctoMap map_;
+  mrpt::maps::COctoMap map_{kVoxel_m};
 };
 }  // namespace
 
-std::unique_ptr<MapSource> make_octomap_source(const OctomapOptions& options)
-{
-  return std::make_unique<OctomapSource>(options);
-}
+std::unique_ptr<MapSource> make_octomap_source() { return std::make_unique<OctomapSource>(); }
 
 }  // namespace talus::nav

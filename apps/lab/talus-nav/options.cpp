@@ -2,23 +2,19 @@
 
 #include "../../common/command_line.h"
 #include "results.h"
-#include "start_costmap.h"
 
 #include <talus/mrpt/parameters_ini.h>
 #include <talus/number_text.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace talus::nav
 {
 namespace
 {
 constexpr const char* kFooter =
-    "Each 0.1 s: scan -> map -> costmap -> route -> reactive navigator of MRPT "
-    "-> "
-    "robot.\n"
+    "Each 0.1 s: scan -> map -> costmap -> route -> reactive navigator of MRPT -> robot.\n"
     "Collisions are judged by the truth of the world. Writes into DIR: path.csv (a row a step),\n"
     "navigation.png, frames/ (animation), map.tif (the map at the end), log.reactivenavlog (for\n"
     "navlog-viewer), summary.json.\n"
@@ -33,15 +29,6 @@ constexpr const char* kFooter =
     "Exit codes: 0 arrived, 1 failed, 2 wrong usage, 3 blocked (there is no way), 4 collision, 5 "
     "timeout,\n"
     "6 fall (over an edge), 128 + N stopped by signal N.";
-
-std::string what_arrived_means()
-{
-  char text[80];
-  std::snprintf(
-      text, sizeof text, "the robot has arrived when its middle is within %.1f m of it",
-      MissionOptions().arrived_m);
-  return text;
-}
 
 std::vector<double> goal_from(const std::string& text)
 {
@@ -72,34 +59,27 @@ void add_mission(CLI::App& app, Options& o)
       ->type_name("");
   app.add_option_function<std::string>(
          "--goal", [&o](const std::string& text) { o.goal = goal_from(text); },
-         "Where to go, map frame [m]; " + what_arrived_means())
+         "Where to go, map frame [m]; the robot has arrived when its middle is within " +
+             number_text(MissionOptions().arrived_m) + " m of it")
       ->required()
       ->type_name("X,Y");
-  app.add_option("--output", o.output, "Folder of the results")
-      ->required()
-      ->check(app::not_empty())
-      ->type_name("DIR");
+  app::add_text(app, "--output", o.output, "DIR", "Folder of the results")->required();
   app.add_option_function<std::string>(
          "--planner", [&o](const std::string& text) { o.in_3d = text == "3d"; },
          "2d: CReactiveNavigationSystem, 3d: CReactiveNavigationSystem3D (default: 2d)")
       ->check(CLI::IsMember({"2d", "3d"}))
       ->type_name("NAME");
-  app.add_option(
-         "--map", o.map,
-         "Where obstacles come from: talus; octomap or onesurface (an elevation map) to compare")
-      ->check(CLI::IsMember({"talus", "octomap", "onesurface"}))
-      ->capture_default_str()
-      ->type_name("NAME");
-  app.add_option(
-         "--planner-config", o.config,
-         "INI file of navigator, map and obstacles (default: reactive2d_config.ini or "
-         "reactive3d_config.ini of datasets/configs, built in)")
-      ->check(app::not_empty())
-      ->type_name("FILE.ini");
-  app.add_option("--timeout", o.timeout_s, "Give up after this simulated time [s]")
-      ->check(app::between(1.0, 1e5))
-      ->capture_default_str()
-      ->type_name("S");
+  app::add_checked(
+      app, "--map", o.map,
+      "Where obstacles come from: talus; octomap or onesurface (an elevation map) to compare",
+      "NAME", CLI::IsMember({"talus", "octomap", "onesurface"}))
+      ->capture_default_str();
+  app::add_text(
+      app, "--planner-config", o.config, "FILE.ini",
+      "INI file of navigator, map and obstacles (default: reactive2d_config.ini or "
+      "reactive3d_config.ini of datasets/configs, built in)");
+  app::add_number(
+      app, "--timeout", o.timeout_s, 1.0, 1e5, "S", "Give up after this simulated time [s]");
 }
 
 void add_sensor(CLI::App& app, Options& o)
@@ -122,22 +102,15 @@ void add_sensor(CLI::App& app, Options& o)
 
 void add_noise(CLI::App& app, Options& o)
 {
-  app.add_option("--seed", o.seed, "Seed of all noise")
-      ->check(app::whole_of_64_bits())
-      ->capture_default_str()
-      ->type_name("N");
-  app.add_option("--noise", o.noise.range_m, "Standard deviation of a range [m]")
-      ->check(app::between(0.0, 1.0))
-      ->capture_default_str()
-      ->type_name("M");
-  app.add_option("--pose-noise", o.noise.position_m, "Of each pose in x, y, z [m]")
-      ->check(app::between(0.0, 1.0))
-      ->capture_default_str()
-      ->type_name("M");
-  app.add_option("--angle-noise", o.noise.angle_rad, "Of each pose in roll, pitch, yaw [rad]")
-      ->check(app::between(0.0, 1.0))
-      ->capture_default_str()
-      ->type_name("RAD");
+  app::add_checked(app, "--seed", o.seed, "Seed of all noise", "N", app::whole_of_64_bits())
+      ->capture_default_str();
+  app::add_number(
+      app, "--noise", o.noise.range_m, 0.0, 1.0, "M", "Standard deviation of a range [m]");
+  app::add_number(
+      app, "--pose-noise", o.noise.position_m, 0.0, 1.0, "M", "Of each pose in x, y, z [m]");
+  app::add_number(
+      app, "--angle-noise", o.noise.angle_rad, 0.0, 1.0, "RAD",
+      "Of each pose in roll, pitch, yaw [rad]");
 }
 
 void add_processing(CLI::App& app, Options& o)
@@ -147,14 +120,10 @@ void add_processing(CLI::App& app, Options& o)
          "Of the map: auto, cpu or cuda (default: auto)")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}, CLI::ignore_case))
       ->type_name("NAME");
-  app.add_option("--threads", o.threads, "Of the CPU backend, 0: all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str()
-      ->type_name("N");
-  app.add_option("--every", o.every, "A frame of the animation each so many steps, 0: none")
-      ->check(CLI::Range(0, 1000000))
-      ->capture_default_str()
-      ->type_name("N");
+  app::add_number(app, "--threads", o.threads, 0, 1024, "N", "Of the CPU backend, 0: all cores");
+  app::add_number(
+      app, "--every", o.every, 0, 1000000, "N",
+      "A frame of the animation each so many steps, 0: none");
   app.add_flag("--quiet", o.quiet, "Print errors only");
 }
 }  // namespace

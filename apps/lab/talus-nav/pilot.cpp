@@ -1,9 +1,8 @@
 #include "pilot.h"
 
 #include "../../common/crash_context.h"
-#include "clearance.h"
+#include "options.h"
 #include "planner_ini.h"
-#include "settings.h"
 
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/core/Clock.h>
@@ -17,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <new>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
 
@@ -39,36 +39,13 @@ constexpr double kStuck_s = 1, kStuckLong_s = 2, kStill_mps = 0.02, kStill_radps
  * one that does not lead to the target (a near one, or one behind the robot) has hardly any. */
 void compile_formulas(mrpt::nav::CMultiObjectiveMotionOptimizerBase& decider)
 {
+  std::istringstream symbols(
+      "clearance clearance_50p clearance_path clearance_path_50p dist_eucl_final dist_eucl_min "
+      "collision_free_distance eta holo_stage_eval hysteresis is_PTG_cont is_slowdown move_cur_d "
+      "move_k num_paths original_col_free_dist ptg_idx ptg_priority ref_dist robpose_phi robpose_x "
+      "robpose_y target_d_norm target_dir target_k WS_target_x WS_target_y");
   mrpt::nav::TCandidateMovementPTG no_movement;
-  for (const char* symbol :
-       {"clearance",
-        "clearance_50p",
-        "clearance_path",
-        "clearance_path_50p",
-        "dist_eucl_final",
-        "dist_eucl_min",
-        "collision_free_distance",
-        "eta",
-        "holo_stage_eval",
-        "hysteresis",
-        "is_PTG_cont",
-        "is_slowdown",
-        "move_cur_d",
-        "move_k",
-        "num_paths",
-        "original_col_free_dist",
-        "ptg_idx",
-        "ptg_priority",
-        "ref_dist",
-        "robpose_phi",
-        "robpose_x",
-        "robpose_y",
-        "target_d_norm",
-        "target_dir",
-        "target_k",
-        "WS_target_x",
-        "WS_target_y"})
-    no_movement.props[symbol] = 0;
+  for (std::string symbol; symbols >> symbol;) no_movement.props[symbol] = 0;
   mrpt::nav::CMultiObjectiveMotionOptimizerBase::TResultInfo ignored;
   decider.decide({no_movement}, ignored);
 }
@@ -169,9 +146,9 @@ double RobotInterface::ground_share(double v_mps, double w_radps) const
   return std::max(kCreep_mps, kOnEven_mps * (1 - worst)) / std::abs(v_mps);
 }
 
-double RobotInterface::clear_s(double v_mps, double w_radps, double most_s) const
+double RobotInterface::clear_s(double v_mps, double w_radps, double max_s) const
 {
-  return clear_time_s(around.blocked, robot_.body(), v_mps, w_radps, most_s, narrow);
+  return clear_time_s(around.blocked, robot_.body(), v_mps, w_radps, max_s, narrow);
 }
 
 mrpt::kinematics::CVehicleVelCmd::Ptr RobotInterface::getEmergencyStopCmd()

@@ -38,7 +38,7 @@ class RobotInterface : public detail::RobotToNavigate
    * nearer than kKeepAway_m; all that the robot does goes through here. */
   void drive(double v_mps, double w_radps);
   /** clear_time_s() of what blocks. */
-  double clear_s(double v_mps, double w_radps, double most_s) const;
+  double clear_s(double v_mps, double w_radps, double max_s) const;
   void stand() override { robot_.command(0, 0); }
   mrpt::kinematics::CVehicleVelCmd::Ptr getEmergencyStopCmd() override;
   mrpt::kinematics::CVehicleVelCmd::Ptr getStopCmd() override { return getEmergencyStopCmd(); }

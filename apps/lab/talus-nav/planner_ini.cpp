@@ -47,79 +47,56 @@ enum class Kind
 
 struct Limits
 {
-  double least, most;
+  double min, max;
 };
 
-/** Of the numbers at a key without digits. MRPT works with any: beyond these it computes without an
- * end, takes all memory, or crashes. */
-Limits limits_of(const std::string& name)
+/** The numbers at these keys, without digits. MRPT works with any: beyond these it computes without
+ * an end, takes all memory, or crashes. */
+struct LimitsOf
 {
-  constexpr Limits kShare{0, 1}, kTime_s{0, 1e6}, kAngle_deg{0, 360}, kHeight_m{-100, 100};
-  constexpr Limits kSpeed_mps{0.01, 50}, kTurn_degps{1, 1000}, kReach_m{0.5, 50}, kBody_m{-5, 5};
-  static const std::map<std::string, Limits> limits{
-      {"alarm_seems_not_approaching_target_timeout", kTime_s},
-      {"angle_tolerance", kAngle_deg},
-      {"clearance_threshold_ratio", kShare},
-      {"dist_check_target_is_blocked", {0, 1000}},
-      {"dist_to_target_for_sending_event", {0, 1000}},
-      {"factornormalizeornot", kShare},
-      {"factorweights", {0, 1000}},
-      {"gap_width_ratio_threshold", kShare},
-      {"height_levels", {1, 100}},
-      {"hysteresis_check_target_is_blocked", {0, 1e6}},
-      {"hysteresis_sector_count", {0.1, 10000}},
-      {"level_height", {0.01, 10}},
-      {"level_radius", {0.01, 10}},
-      {"level_vectorx", kBody_m},
-      {"level_vectory", kBody_m},
-      {"max_deletion_ratio", kShare},
-      {"max_dist_for_timebased_path_prediction", {0, 1000}},
-      {"max_distance_predicted_actual_path", {0, 1000}},
-      {"max_distance_to_allow_skip_waypoint", {-1, 1e6}},
-      {"max_obstacles_height", kHeight_m},
-      {"max_sector_dist_for_d_percent", kShare},
-      {"min_dist", {0, 1000}},
-      {"min_normalized_free_space_for_ptg_continuation", kShare},
-      {"min_obstacles_height", kHeight_m},
-      {"min_timesteps_confirm_skip_waypoints", {0, 1e6}},
-      {"multitarget_look_ahead", {0, 1000}},
-      {"obstacle_slow_down_distance", kShare},
-      {"phase_count", {1, 10}},
-      {"phase_factors", {0, 7}},
-      {"phase_threshold", kShare},
-      {"previous_keyframes", {1, 100}},
-      {"ptg_count", {1, 100}},
-      {"ptg_cte_av_deg", {1, 180}},
-      {"ptg_cte_aw_deg", {1, 180}},
-      {"ptg_k", {-1, 1}},
-      {"ptg_num_paths", {3, 1000}},
-      {"ptg_refdistance", kReach_m},
-      {"ptg_resolution", {0.005, 1}},
-      {"ptg_score_priority", {0, 1000}},
-      {"ptg_t_ramp_max", {0.01, 100}},
-      {"ptg_turningradiusreference", {0.01, 10}},
-      {"ptg_v_max_mps", kSpeed_mps},
-      {"ptg_w_max_dps", kTurn_degps},
-      {"ref_distance", kReach_m},
-      {"risk_evaluation_distance", kShare},
-      {"risk_evaluation_sectors_percent", kShare},
-      {"robotmax_v_mps", kSpeed_mps},
-      {"robotmax_w_degps", kTurn_degps},
-      {"robotmincurvradius", {0, 1000}},
-      {"robotmodel_circular_shape_radius", {0.01, 10}},
-      {"robotmodel_shaped_xs", kBody_m},
-      {"robotmodel_shaped_ys", kBody_m},
-      {"secure_distance_end", kShare},
-      {"secure_distance_start", kShare},
-      {"speedfilter_tau", {0, 100}},
-      {"target_attractive_force", {0, 1e6}},
-      {"target_slow_approaching_distance", {0, 100}},
-      {"too_close_obstacle", kShare},
-      {"too_old_seconds", kTime_s},
-      {"waypoint_angle_tolerance", kAngle_deg},
-      {"wide_gap_size_percent", kShare}};
-  const auto found = limits.find(name);
-  return found == limits.end() ? Limits{-1e6, 1e6} : found->second;
+  Limits limits;
+  const char* keys;
+};
+constexpr LimitsOf kLimits[]{
+    {{0, 1},
+     "clearance_threshold_ratio factornormalizeornot gap_width_ratio_threshold max_deletion_ratio "
+     "max_sector_dist_for_d_percent min_normalized_free_space_for_ptg_continuation "
+     "obstacle_slow_down_distance phase_threshold risk_evaluation_distance "
+     "risk_evaluation_sectors_percent secure_distance_end secure_distance_start "
+     "too_close_obstacle wide_gap_size_percent"},
+    {{0, 7}, "phase_factors"},
+    {{0, 100}, "speedfilter_tau target_slow_approaching_distance"},
+    {{0, 360}, "angle_tolerance waypoint_angle_tolerance"},
+    {{0, 1000},
+     "dist_check_target_is_blocked dist_to_target_for_sending_event factorweights "
+     "max_dist_for_timebased_path_prediction max_distance_predicted_actual_path min_dist "
+     "multitarget_look_ahead ptg_score_priority robotmincurvradius"},
+    {{0, 1e6},
+     "alarm_seems_not_approaching_target_timeout hysteresis_check_target_is_blocked "
+     "min_timesteps_confirm_skip_waypoints target_attractive_force too_old_seconds"},
+    {{-1, 1}, "ptg_k"},
+    {{-1, 1e6}, "max_distance_to_allow_skip_waypoint"},
+    {{-5, 5}, "level_vectorx level_vectory robotmodel_shaped_xs robotmodel_shaped_ys"},
+    {{-100, 100}, "max_obstacles_height min_obstacles_height"},
+    {{0.005, 1}, "ptg_resolution"},
+    {{0.01, 10},
+     "level_height level_radius ptg_turningradiusreference robotmodel_circular_shape_radius"},
+    {{0.01, 50}, "ptg_v_max_mps robotmax_v_mps"},
+    {{0.01, 100}, "ptg_t_ramp_max"},
+    {{0.1, 10000}, "hysteresis_sector_count"},
+    {{0.5, 50}, "ptg_refdistance ref_distance"},
+    {{1, 10}, "phase_count"},
+    {{1, 100}, "height_levels previous_keyframes ptg_count"},
+    {{1, 180}, "ptg_cte_av_deg ptg_cte_aw_deg"},
+    {{1, 1000}, "ptg_w_max_dps robotmax_w_degps"},
+    {{3, 1000}, "ptg_num_paths"}};
+
+Limits limits_of(const std::string& key)
+{
+  for (const LimitsOf& of : kLimits)
+    if ((" " + std::string(of.keys) + " ").find(" " + key + " ") != std::string::npos)
+      return of.limits;
+  return {-1e6, 1e6};
 }
 
 bool is_number(const std::string& text)
@@ -189,11 +166,11 @@ void check_limits(
   const auto is_inside = [&](const std::string& number)
   {
     const double value = std::strtod(number.c_str(), nullptr);
-    return value >= limits.least && value <= limits.most;
+    return value >= limits.min && value <= limits.max;
   };
   const auto numbers = parts_of(ini_value(ini, section, key));
   if (!std::all_of(numbers.begin(), numbers.end(), is_inside))
-    refuse(ini, section, key, mrpt::format("from %g to %g", limits.least, limits.most));
+    refuse(ini, section, key, mrpt::format("from %g to %g", limits.min, limits.max));
 }
 
 void check_kinds(

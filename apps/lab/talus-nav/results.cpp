@@ -58,7 +58,7 @@ nlohmann::json summary(const Options& o, const MissionResult& mission)
        {{"range_m", o.noise.range_m},
         {"position_m", o.noise.position_m},
         {"angle_rad", o.noise.angle_rad}}},
-      {"ending", ending_name(mission.ending)},
+      {"ending", info_of(mission.ending).name},
       {"detail", mission.detail},
       {"time_s", mission.time_s},
       {"driven_m", mission.driven_m},
@@ -91,7 +91,7 @@ std::string console_summary(const Options& options, const MissionResult& mission
       times, sizeof times, "map %.1f, route %.1f, navigator %.1f",
       median_of(mission, &Step::map_ms), median_of(mission, &Step::plan_ms),
       median_of(mission, &Step::pilot_ms));
-  return options.world + ": " + ending_name(mission.ending) + "\n  " + mission.detail +
+  return options.world + ": " + info_of(mission.ending).name + "\n  " + mission.detail +
          "\n  median ms a step: " + times + "\n";
 }
 

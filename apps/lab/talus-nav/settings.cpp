@@ -1,4 +1,4 @@
-#include "settings.h"
+#include "options.h"
 
 #include "builtin_configs.h"
 #include "planner_ini.h"
@@ -9,6 +9,8 @@
 #include <talus/io/mrpt_error.h>
 #include <talus/mrpt/parameters_ini.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <iostream>
 #include <stdexcept>
@@ -64,6 +66,43 @@ void warn_of_missing_obstacles(
   std::cerr << "talus-nav: warning: " << name << ": has no section [" << kObstacles
             << "]; obstacles are made with its defaults, see doc/obstacles.md\n";
 }
+
+constexpr double kMargin_m = 1.5;
+constexpr double kMax_m2 = 25000;  // 10 million cells, with the pictures 2 GB
+
+struct Area
+{
+  double min_x_m, max_x_m, min_y_m, max_y_m;
+};
+
+/** Start, goal and all that stands in the world, with a margin. */
+Area area_of(const sim::World& world, const Point2& start, const Point2& goal)
+{
+  Area a{
+      std::min(start.x_m, goal.x_m), std::max(start.x_m, goal.x_m), std::min(start.y_m, goal.y_m),
+      std::max(start.y_m, goal.y_m)};
+  for (const auto& shape : world.objects.shapes())
+  {
+    const auto b = sim::bounds(shape);
+    a.min_x_m = std::min(a.min_x_m, b.min_m.x);
+    a.max_x_m = std::max(a.max_x_m, b.max_m.x);
+    a.min_y_m = std::min(a.min_y_m, b.min_m.y);
+    a.max_y_m = std::max(a.max_y_m, b.max_m.y);
+  }
+  return {
+      a.min_x_m - kMargin_m, a.max_x_m + kMargin_m, a.min_y_m - kMargin_m, a.max_y_m + kMargin_m};
+}
+
+void require_manageable(const Area& a)
+{
+  const double size_m2 = (a.max_x_m - a.min_x_m) * (a.max_y_m - a.min_y_m);
+  const double farthest_m = std::max({-a.min_x_m, a.max_x_m, -a.min_y_m, a.max_y_m});
+  if (farthest_m <= kFarthest_m + kMargin_m && size_m2 <= kMax_m2) return;
+  throw std::invalid_argument(mrpt::format(
+      "start, goal and objects reach from (%.1f, %.1f) to (%.1f, %.1f) m; the limit is %.0f m from "
+      "the origin and %.0f m2: choose a nearer --goal, or move what is far away in the world",
+      a.min_x_m, a.min_y_m, a.max_x_m, a.max_y_m, kFarthest_m, kMax_m2));
+}
 }  // namespace
 
 Settings load_settings(const Options& o)
@@ -99,9 +138,19 @@ Settings load_settings(const Options& o)
 
 std::unique_ptr<MapSource> make_source(const Options& o, const Settings& s, const RobotBody& body)
 {
-  if (o.map == "octomap") return make_octomap_source({});
+  if (o.map == "octomap") return make_octomap_source();
   if (o.map == "onesurface") return make_onesurface_source(s.parameters, s.obstacles);
   return make_terrain_source(s.parameters, o.backend, o.threads, s.obstacles, body);
+}
+
+Costmap start_costmap(const sim::World& world, const Point2& start, const Point2& goal)
+{
+  const Area area = area_of(world, start, goal);
+  require_manageable(area);
+  const auto up = [](double v) { return std::ceil(v / kCostmapCell_m) * kCostmapCell_m; };
+  Costmap out{kCostmapCell_m, 0, 0, 0, 0, {}};
+  out.cover(area.min_x_m, up(area.max_x_m), area.min_y_m, up(area.max_y_m));
+  return out;
 }
 
 }  // namespace talus::nav

@@ -1,4 +1,4 @@
-#include "drive.h"
+#include "sheet.h"
 
 #include <talus/io/geotiff.h>
 #include <talus/io/map_picture.h>

@@ -5,10 +5,9 @@
 //   channels WORLDS FILE: classes of points, and a map in which two of them cost
 //   drive EYE TARGET FOLDER MAPS...: maps of talus-map --every as a drive that is seen from EYE
 //     (x,y,z in m), as FOLDER/drive_000.png ...
-#include "drive.h"
 #include "sheet.h"
 
-#include <talus/baselines/sequence.h>
+#include <talus/baselines/method.h>
 #include <talus/io/map_picture.h>
 #include <talus/sim/world.h>
 
@@ -89,6 +88,11 @@ io::LayerStack one_scan(const std::vector<baselines::ScanFrame>& frames, double 
   return map_of({frames[i]}, 1, Parameters());
 }
 
+Tile tile(const char* title, const char* words, const io::LayerStack& map, const char* layer)
+{
+  return {title, words, layer_image(map, layer, kSide_m, kStage_px)};
+}
+
 std::vector<Tile> stages(Worlds& worlds)
 {
   const auto& frames = worlds.frames("demo");
@@ -98,10 +102,6 @@ std::vector<Tile> stages(Worlds& worlds)
   io::LayerStack measured = map, inferred = map;
   keep_where(measured, layer(measured, "ground_elevation"), 1, 1);
   keep_where(inferred, layer(inferred, "state"), 1, 1);
-  const auto tile = [&](const char* title, const char* words, const io::LayerStack& s,
-                        const char* name) {
-    return Tile{title, words, layer_image(s, name, kSide_m, kStage_px)};
-  };
   return {
       tile("1  Accept", "one scan: tops of what it hit", scan, "elevation"),
       tile("2, 3  Roll, update", "all scans so far: tops", map, "elevation"),
@@ -207,10 +207,6 @@ void write_channels(const std::string& world_folder, const std::string& file)
   auto frames = worlds.frames("demo");
   frames.resize(frames.size() * 3 / 4);
   const auto free = map_of_classes(frames, ""), dear = map_of_classes(frames, "label:14=0,9=0.5");
-  const auto tile = [&](const char* title, const char* words, const io::LayerStack& s,
-                        const char* name) {
-    return Tile{title, words, layer_image(s, name, kSide_m, kStage_px)};
-  };
   const std::vector<Tile> tiles{
       tile("label", "grass above, gravel below, a path", free, "label"),
       tile("traversability", "without costs", free, "traversability"),
@@ -228,19 +224,11 @@ cv::Vec3d place_from(const std::string& text)
 
 int run(const std::vector<std::string>& args)
 {
-  if (args.size() == 3 && args[0] == "sheets")
+  static const std::map<std::string, void (*)(const std::string&, const std::string&)> kinds{
+      {"sheets", write_sheets}, {"labels", write_labels}, {"channels", write_channels}};
+  if (args.size() == 3 && kinds.count(args[0]))
   {
-    write_sheets(args[1], args[2]);
-    return 0;
-  }
-  if (args.size() == 3 && args[0] == "labels")
-  {
-    write_labels(args[1], args[2]);
-    return 0;
-  }
-  if (args.size() == 3 && args[0] == "channels")
-  {
-    write_channels(args[1], args[2]);
+    kinds.at(args[0])(args[1], args[2]);
     return 0;
   }
   if (args.size() > 4 && args[0] == "drive")

@@ -1,6 +1,6 @@
 #pragma once
 #include <opencv2/core.hpp>
-#include <talus/baselines/sequence.h>
+#include <talus/baselines/method.h>
 #include <talus/io/layer_stack.h>
 
 #include <string>
@@ -40,5 +40,11 @@ cv::Mat draw_sheet(
  * one, above what the colours mean. */
 cv::Mat draw_labelled_scans(
     const std::vector<baselines::ScanFrame>& frames, std::size_t every, const Camera& camera);
+
+/** Pictures of a drive, seen from one place: the maps that talus-map --every wrote, in their order,
+ * each over those of before, with the robot in the middle of the newest. Writes
+ * FOLDER/drive_000.png and so on. Throws std::runtime_error that names the file. */
+void write_drive(
+    const std::vector<std::string>& maps, const Camera& camera, const std::string& folder);
 
 }  // namespace talus::pictures

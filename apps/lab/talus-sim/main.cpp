@@ -26,7 +26,7 @@ struct Options
   DriveOptions drive;
   Claims claims;
   double resolution_m = 0.05;
-  bool without_movers = false, quiet = false;
+  bool quiet = false;
 };
 
 std::string footer()
@@ -98,7 +98,6 @@ void add_outputs(CLI::App& app, Options& o)
       app, "--resolution", o.resolution_m, "Side of a cell of truth.tif [m]", "M",
       between(0.001, 100))
       ->capture_default_str();
-  app.add_flag("--no-movers", o.without_movers, "Leave what moves out of truth.tif");
   app.add_flag("--quiet", o.quiet, "Print errors only");
 }
 
@@ -160,7 +159,6 @@ void simulate(const Options& o, const std::string& folder)
   const Drive drive(world, o.drive);
   const double end_s = drive.time_s(drive.frames() - 1);
   TruthOptions truth_options;
-  truth_options.movers = !o.without_movers;
   if (!world.decks.empty()) truth_options.level_m = drive.T_map_base(drive.frames() - 1).z();
   Truth last = truth(world, window_of(o, drive), end_s, truth_options);
   write_files(o, folder, world, drive, std::move(last));

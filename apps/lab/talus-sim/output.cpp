@@ -5,6 +5,7 @@
 #include <talus/io/atomic_file.h>
 #include <talus/io/geotiff.h>
 #include <talus/io/packed_log.h>
+#include <talus/mrpt/observation_points.h>
 #include <talus/mrpt/version_compat.h>
 
 #include <chrono>
@@ -16,14 +17,6 @@ namespace talus::sim
 {
 namespace
 {
-mrpt::poses::CPose3D to_mrpt(const Pose& T)
-{
-  mrpt::math::CMatrixDouble33 R;
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) R(r, c) = T.m[4 * r + c];
-  return mrpt::poses::CPose3D(R, mrpt::math::CMatrixDouble31({T.x(), T.y(), T.z()}));
-}
-
 /** Stamp of a frame: whole microseconds, so that texts hold it exactly. */
 mrpt::Clock::time_point stamp_of(const Drive& drive, int frame)
 {

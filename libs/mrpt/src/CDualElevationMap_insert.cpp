@@ -54,6 +54,14 @@ Pose pose_from(const mrpt::poses::CPose3D& pose)
   return out;
 }
 
+mrpt::poses::CPose3D to_mrpt(const Pose& T)
+{
+  mrpt::math::CMatrixDouble33 R;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) R(r, c) = T.m[static_cast<std::size_t>(4 * r + c)];
+  return {R, mrpt::math::CMatrixDouble31({T.x(), T.y(), T.z()})};
+}
+
 Frame frame_from(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_base)
 {
   Frame frame;

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "kernels/frame.h"
 #include "observation_points_detail.h"
 
 using namespace mrpt::obs;
@@ -131,7 +132,6 @@ std::vector<TimedPose> sensor_path(
     const std::function<std::optional<mrpt::poses::CPose3D>(double stamp_s)>& base_at)
 {
   constexpr double kPathStep_s = 0.01;  // a robot that turns at 1 rad/s turns 0.6 degrees in it
-  constexpr double kMaxPathPoses = 64;
   float first = HUGE_VALF, last = -HUGE_VALF;
   for (const float t : points.time_s)
     if (std::isfinite(t))
@@ -142,8 +142,8 @@ std::vector<TimedPose> sensor_path(
   const double span_s = static_cast<double>(last) - first;
   if (!(span_s > 0)) return {};
 
-  const int steps =
-      static_cast<int>(std::clamp(std::ceil(span_s / kPathStep_s), 1.0, kMaxPathPoses - 1.0));
+  const int steps = static_cast<int>(
+      std::clamp(std::ceil(span_s / kPathStep_s), 1.0, kernels::kMaxPathPoses - 1.0));
   std::vector<TimedPose> path;
   for (int i = 0; i <= steps; ++i)
   {

@@ -44,6 +44,8 @@ bool something_stands(const SurfaceView& view, std::size_t cell)
 /** So near to what stands nothing is an edge just because it was not seen: no robot fits between.
  */
 constexpr double kBeside_m = 0.2;
+constexpr float kRim_m =
+    0.05;  // a cell at a rim holds points of both levels, and nothing stands there
 
 /** So near to what may drop a guess is no ground, with Drops::Avoid: a fill across the corner of a
  * trench has measured ground on both sides. */
@@ -83,23 +85,25 @@ class Surroundings
   /** For a robot whose base is at this height. */
   bool is_edge(int ix, int iy, double level_m) const
   {
-    const Around around = of(ix, iy, level_m);
-    return !around.stands || around.lowest_m < level_m - step_m_;
+    const Around around = of(ix, iy);
+    const bool stands =
+        around.highest_m > level_m + step_m_ || around.top_m > around.highest_m + kRim_m;
+    return !stands || around.lowest_m < level_m - step_m_;
   }
   /** Beside a wall that is higher than such a robot, and with no lower ground: not in a ditch. */
   bool is_beside_wall(int ix, int iy, double level_m) const
   {
-    const Around around = of(ix, iy, level_m);
-    return around.wall && around.lowest_m > level_m - kObject_m;
+    const Around around = of(ix, iy);
+    return around.top_m > level_m + step_m_ && around.lowest_m > level_m - kObject_m;
   }
 
  private:
   struct Around
   {
-    float lowest_m = HUGE_VALF;
-    bool stands = false, wall = false;
+    float lowest_m = HUGE_VALF, highest_m = -HUGE_VALF;  //!< ground
+    float top_m = -HUGE_VALF;  //!< of what stands
   };
-  Around of(int ix, int iy, double level_m) const
+  Around of(int ix, int iy) const
   {
     Around out;
     holds_around(
@@ -107,10 +111,9 @@ class Surroundings
         [&](int x, int y)
         {
           const std::size_t cell = view_.index(x, y);
-          const bool object = something_stands(view_, cell);
-          out.stands = out.stands || object || view_.ground[cell] > level_m + step_m_;
-          out.wall = out.wall || (object && view_.elevation[cell] > level_m + step_m_);
-          out.lowest_m = std::fmin(out.lowest_m, view_.ground[cell]);
+          out.lowest_m = std::fmin(out.lowest_m, view_.ground[cell]);  // NaN counts for nothing
+          out.highest_m = std::fmax(out.highest_m, view_.ground[cell]);
+          if (something_stands(view_, cell)) out.top_m = std::max(out.top_m, view_.elevation[cell]);
           return true;
         });
     return out;

@@ -1,4 +1,4 @@
-#include <talus/baselines/one_surface_map.h>
+#include <talus/baselines/rivals.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include <talus/baselines/holdout.h>
+#include <talus/baselines/real_log.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,9 @@ namespace talus::baselines
 {
 namespace
 {
-/** What is sure to be ground, see HoldOutOptions: chosen on half of the labelled scans at hand,
+constexpr int kEvery = 4, kBands = 64, kFirstFrame = 3;
+
+/** What is sure to be ground, see HoldOut: chosen on half of the labelled scans at hand,
  * where steeper cones keep more points that are not ground, and flatter ones lose ground. */
 constexpr double kGroundSlope = 0.3, kGroundAllowance_m = 0.1, kGroundRadius_m = 3.0;
 constexpr float kBare_m = 0.3f;
@@ -37,7 +39,7 @@ void push(ScanFrame& to, const ScanFrame& from, std::size_t i)
 class Bands
 {
  public:
-  Bands(const ScanFrame& scan, const HoldOutOptions& o)
+  explicit Bands(const ScanFrame& scan)
   {
     std::vector<float> angles;
     for (std::size_t i = 0; i < scan.x_m.size(); ++i)
@@ -46,9 +48,8 @@ class Bands
     std::sort(angles.begin(), angles.end());
     const std::size_t tail = angles.size() / 100;
     low_ = angles[tail];
-    width_ =
-        std::max((angles[angles.size() - 1 - tail] - low_) / static_cast<float>(o.groups), 1e-6f);
-    choose(angles, o);
+    width_ = std::max((angles[angles.size() - 1 - tail] - low_) / kBands, 1e-6f);
+    choose(angles);
   }
 
   bool held(float angle) const
@@ -66,27 +67,27 @@ class Bands
   }
 
   /** Every n-th band that has points is held out. */
-  void choose(const std::vector<float>& angles, const HoldOutOptions& o)
+  void choose(const std::vector<float>& angles)
   {
-    held_.assign(static_cast<std::size_t>(o.groups), 0);
+    held_.assign(kBands, 0);
     std::vector<int> points(held_.size(), 0);
     for (float a : angles)
       if (const int b = band(a); b >= 0) ++points[b];
     int rank = 0;
     for (std::size_t b = 0; b < held_.size(); ++b)
-      if (points[b] > 0) held_[b] = rank++ % o.every == o.every / 2;
+      if (points[b] > 0) held_[b] = rank++ % kEvery == kEvery / 2;
   }
 
   float low_ = 0, width_ = 1;
   std::vector<std::uint8_t> held_;
 };
 
-SplitScan split(const ScanFrame& scan, const HoldOutOptions& o)
+SplitScan split(const ScanFrame& scan)
 {
   SplitScan out{scan, scan};
   for (ScanFrame* part : {&out.kept, &out.held})
     for (auto* v : {&part->x_m, &part->y_m, &part->z_m}) v->clear();
-  const Bands bands(scan, o);
+  const Bands bands(scan);
   for (std::size_t i = 0; i < scan.x_m.size(); ++i)
     push(bands.held(elevation_angle(scan, i)) ? out.held : out.kept, scan, i);
   return out;
@@ -254,9 +255,7 @@ void score_bars(HoldOut& out, const Held& held, const Surfaces& other)
 
 }  // namespace
 
-HoldOut hold_out(
-    const Sequence& sequence, const EvaluationOptions& options, const HoldOutOptions& holdout,
-    const LabelMap* labels)
+HoldOut hold_out(const Sequence& sequence, const EvaluationOptions& options, const LabelMap* labels)
 {
   HoldOut out;
   out.name = sequence.name;
@@ -265,13 +264,13 @@ HoldOut hold_out(
   out.fills.resize(fill_methods().size() + 1);
   const auto map = make_method("talus", options.parameters, options.backend);
   const auto other = make_method("talus", options.parameters, options.backend);
-  const int first = std::min(holdout.from_frame, out.frames - 1);
+  const int first = std::min(kFirstFrame, out.frames - 1);
   SeenByLog seen;
   for (const ScanFrame& scan : sequence.frames) seen.add(scan, options.parameters);
   for (int i = 0; i < out.frames; ++i)
   {
     const ScanFrame& scan = sequence.frames[i];
-    const SplitScan parts = split(scan, holdout);
+    const SplitScan parts = split(scan);
     map->update(parts.kept.view());
     other->update(parts.held.view());
     if (options.progress) options.progress("held-out beams", i + 1, out.frames);

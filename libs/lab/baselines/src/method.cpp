@@ -1,11 +1,7 @@
-#include <talus/baselines/one_surface_map.h>
-#include <talus/baselines/method.h>
-#include <talus/baselines/paper_map.h>
-#include <talus/baselines/stock_maps.h>
+#include <talus/baselines/rivals.h>
 #include <talus/frame_gatherer.h>
 #include <talus/point_filter.h>
 #include <talus/risk.h>
-#include <talus/baselines/sequence.h>
 
 #include <cmath>
 #include <stdexcept>
@@ -14,6 +10,8 @@ namespace talus::baselines
 {
 namespace
 {
+constexpr double kFirstStamp_s = 1700000000.0;
+
 class TalusMethod : public Method
 {
  public:
@@ -45,12 +43,6 @@ class TalusMethod : public Method
   FrameGatherer gatherer_;
 };
 
-template <class M>
-std::unique_ptr<Method> make(const Parameters& p, Backend)
-{
-  return std::make_unique<M>(p);
-}
-
 }  // namespace
 
 Surfaces::Surfaces(const Window& w) : window(w)
@@ -67,17 +59,17 @@ const std::vector<MethodInfo>& method_list()
        [](const Parameters& p, Backend backend) -> std::unique_ptr<Method>
        { return std::make_unique<TalusMethod>(p, backend); }},
       {"paper", "the paper's method as printed: eq. 1 to 14, its fill, cleanup and hanging rule",
-       make<PaperMap>},
+       make_paper},
       {"octomap", "mrpt::maps::COctoMap, its columns read out with the same clearance",
-       make<OctoMapMethod>},
-      {"heightgrid", "mrpt::maps::CHeightGridMap2D, the mean height of a cell",
-       make<HeightGridMethod>},
+       [](const Parameters& p, Backend) -> std::unique_ptr<Method>
+       { return std::make_unique<OctoMapMethod>(p); }},
+      {"heightgrid", "mrpt::maps::CHeightGridMap2D, the mean height of a cell", make_heightgrid},
       {"highest", "highest-point elevation map with Kalman fusion, 7 x 7 window features",
-       make<HighestPointMap>},
+       make_highest},
       {"cucpp", "the same with cleanup in every frame, judged half by slope, half by roughness",
-       make<CuCppMap>},
+       make_cucpp},
       {"cupy", "one surface, drift compensation, min filter and inpainting, window features",
-       make<CuPyMap>}};
+       make_cupy}};
   return list;
 }
 
@@ -137,11 +129,6 @@ Middle middle_of_cell(const Window& w, std::size_t k)
   return {
       w.min_x_m() + (static_cast<double>(k % n) + 0.5) * w.resolution_m,
       w.min_y_m() + (static_cast<double>(k / n) + 0.5) * w.resolution_m};
-}
-
-namespace
-{
-constexpr double kFirstStamp_s = 1700000000.0;
 }
 
 Frame ScanFrame::view() const

@@ -1,6 +1,6 @@
+#include <mrpt/maps/CHeightGridMap2D.h>
 #include <mrpt/maps/CSimplePointsMap.h>
-#include <talus/baselines/one_surface_map.h>
-#include <talus/baselines/stock_maps.h>
+#include <talus/baselines/rivals.h>
 
 #include <algorithm>
 #include <cmath>
@@ -93,44 +93,65 @@ Surfaces OctoMapMethod::read()
   return s;
 }
 
-HeightGridMethod::HeightGridMethod(const Parameters& parameters) : parameters_(parameters) {}
-
-void HeightGridMethod::update(const Frame& frame)
+namespace
 {
+/** mrpt::maps::CHeightGridMap2D: the mean of all heights ever seen in a cell. It takes no point
+ * clouds and does not grow, so points are inserted one by one and the grid is resized here. A
+ * position so far off that the grid would take more than a gigabyte begins a new one. */
+class HeightGridMethod : public Method
+{
+ public:
+  explicit HeightGridMethod(const Parameters& parameters) : parameters_(parameters) {}
+
+  void update(const Frame& frame) override
+  {
+    T_map_base_ = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
+    const Window w = window_around(parameters_, T_map_base_);
+    const double x0 = w.min_x_m(), y0 = w.min_y_m(), side = w.cells * w.resolution_m;
+    const auto cells_with = [&](double low_m, double high_m, double old_low_m, double old_high_m)
+    { return (std::max(high_m, old_high_m) - std::min(low_m, old_low_m)) / w.resolution_m; };
+    if (!map_ || cells_with(x0, x0 + side, map_->getXMin(), map_->getXMax()) *
+                         cells_with(y0, y0 + side, map_->getYMin(), map_->getYMax()) >
+                     kMaxGridCells)
+      map_ =
+          std::make_unique<Map>(Map::mrSimpleAverage, x0, x0 + side, y0, y0 + side, w.resolution_m);
+    else
+      map_->resize(x0, x0 + side, y0, y0 + side, mrpt::maps::THeightGridmapCell());
+    for (const MapPoint& p : accepted_points(frame, parameters_))
+      if (cell_index(w, p.x_m, p.y_m) >= 0) map_->insertIndividualPoint(p.x_m, p.y_m, p.z_m);
+  }
+
+  Surfaces read() override
+  {
+    Surfaces s(window_around(parameters_, T_map_base_));
+    for (int iy = 0; iy < s.window.cells; ++iy)
+      for (int ix = 0; ix < s.window.cells; ++ix)
+      {
+        double z = 0;
+        const double res = s.window.resolution_m;
+        const double x = center_m(s.window.min_cell_x + ix, res);
+        const double y = center_m(s.window.min_cell_y + iy, res);
+        if (!map_->dem_get_z(x, y, z)) continue;
+        const auto i = static_cast<std::size_t>(iy * s.window.cells + ix);
+        s.elevation_m[i] = s.ground_m[i] = static_cast<float>(z);
+        s.state[i] = static_cast<std::uint8_t>(CellState::Measured);
+      }
+    judge_one_surface(s, parameters_);
+    return s;
+  }
+
+ private:
   using Map = mrpt::maps::CHeightGridMap2D;
-  T_map_base_ = pose_of_base(frame.T_map_sensor, frame.T_base_sensor);
-  const Window w = window_around(parameters_, T_map_base_);
-  const double x0 = w.min_x_m(), y0 = w.min_y_m(), side = w.cells * w.resolution_m;
-  const auto cells_with = [&](double low_m, double high_m, double old_low_m, double old_high_m)
-  { return (std::max(high_m, old_high_m) - std::min(low_m, old_low_m)) / w.resolution_m; };
-  if (!map_ || cells_with(x0, x0 + side, map_->getXMin(), map_->getXMax()) *
-                       cells_with(y0, y0 + side, map_->getYMin(), map_->getYMax()) >
-                   kMaxGridCells)
-    map_ =
-        std::make_unique<Map>(Map::mrSimpleAverage, x0, x0 + side, y0, y0 + side, w.resolution_m);
-  else
-    map_->resize(x0, x0 + side, y0, y0 + side, mrpt::maps::THeightGridmapCell());
-  for (const MapPoint& p : accepted_points(frame, parameters_))
-    if (cell_index(w, p.x_m, p.y_m) >= 0) map_->insertIndividualPoint(p.x_m, p.y_m, p.z_m);
-}
 
-Surfaces HeightGridMethod::read()
+  Parameters parameters_;
+  std::unique_ptr<Map> map_;
+  Pose T_map_base_;
+};
+}  // namespace
+
+std::unique_ptr<Method> make_heightgrid(const Parameters& parameters, Backend)
 {
-  Surfaces s(window_around(parameters_, T_map_base_));
-  for (int iy = 0; iy < s.window.cells; ++iy)
-    for (int ix = 0; ix < s.window.cells; ++ix)
-    {
-      double z = 0;
-      const double res = s.window.resolution_m;
-      const double x = center_m(s.window.min_cell_x + ix, res);
-      const double y = center_m(s.window.min_cell_y + iy, res);
-      if (!map_->dem_get_z(x, y, z)) continue;
-      const auto i = static_cast<std::size_t>(iy * s.window.cells + ix);
-      s.elevation_m[i] = s.ground_m[i] = static_cast<float>(z);
-      s.state[i] = static_cast<std::uint8_t>(CellState::Measured);
-    }
-  judge_one_surface(s, parameters_);
-  return s;
+  return std::make_unique<HeightGridMethod>(parameters);
 }
 
 }  // namespace talus::baselines

@@ -1,10 +1,10 @@
 #include "fields.h"
 #include <talus/number_text.h>
+#include <talus/parameters.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numeric>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -20,32 +20,13 @@ std::string list_of(const std::vector<std::string>& words)
   return out;
 }
 
-int edit_distance(const std::string& a, const std::string& b)
-{
-  std::vector<int> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i)
-  {
-    int diagonal = row[0];
-    row[0] = static_cast<int>(i);
-    for (std::size_t j = 1; j <= b.size(); ++j)
-    {
-      const int replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
-
 std::string unknown_key(const std::string& key, const std::vector<std::string>& known)
 {
   if (key.rfind("goal", 0) == 0)
     return "unknown key '" + key +
            "': a world has no goal; where a robot shall drive says `talus-nav WORLD.yaml --goal "
            "X,Y`, and where a recorded drive leads says `path_m` of `robot`";
-  return "unknown key '" + key + "', did you mean '" + nearest_word(key, known) +
-         "'? Known: " + list_of(known);
+  return "unknown key '" + key + "'" + known_words(key, known);
 }
 
 /** For messages: its beginning. */
@@ -93,12 +74,11 @@ void require_list(
   require_max_size(list, file, where, 1000);
 }
 
-std::string nearest_word(const std::string& word, const std::vector<std::string>& known)
+std::string known_words(const std::string& word, const std::vector<std::string>& known)
 {
-  return *std::min_element(
-      known.begin(), known.end(),
-      [&](const auto& a, const auto& b)
-      { return edit_distance(word, a) < edit_distance(word, b); });
+  const std::string nearest = nearest_name(word, known);
+  return (nearest.empty() ? "." : ", did you mean '" + nearest + "'?") +
+         " Known: " + list_of(known);
 }
 
 std::string only_key(

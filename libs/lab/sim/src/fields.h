@@ -63,8 +63,8 @@ class Fields
   std::string file_, where_;
 };
 
-/** The one of `known` that is nearest to a misspelt word, by edit distance. */
-std::string nearest_word(const std::string& word, const std::vector<std::string>& known);
+/** ", did you mean 'box'? Known: box, post" of a word that is none of them. */
+std::string known_words(const std::string& word, const std::vector<std::string>& known);
 
 /** An entry of a list such as `- box: {...}`: its one key, which must be one of `known`. */
 std::string only_key(

@@ -75,11 +75,7 @@ void require_scanner(const Fields& f, const std::string& name)
   if (find_scanner(name)) return;
   std::vector<std::string> names;
   for (const Scanner& known : scanners()) names.push_back(known.name);
-  std::string list;
-  for (const auto& n : names) list += (list.empty() ? "" : ", ") + n;
-  f.fail(
-      "scanner", "'" + name + "' is not known, did you mean '" + nearest_word(name, names) +
-                     "'? Known: " + list);
+  f.fail("scanner", "'" + name + "' is not known" + known_words(name, names));
 }
 
 const std::string kSensorKeys =

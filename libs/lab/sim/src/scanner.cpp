@@ -1,8 +1,8 @@
 #include <talus/sim/scanner.h>
 #include <talus/sim/random.h>
+#include <talus/text.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -46,12 +46,6 @@ Scanner depth_camera(int width, int height, double width_deg, double height_deg)
   s.noise_m = 0.002;
   s.noise_per_m2 = 0.002;
   return s;
-}
-
-std::string lower(std::string text)
-{
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
 }
 
 /** What a ray from the sensor meets first: the robot's own body hides what is behind it. */
@@ -173,7 +167,7 @@ const std::vector<Scanner>& scanners()
 const Scanner* find_scanner(const std::string& name)
 {
   for (const Scanner& s : scanners())
-    if (lower(s.name) == lower(name)) return &s;
+    if (lower_case(s.name) == lower_case(name)) return &s;
   return nullptr;
 }
 

@@ -71,9 +71,7 @@ Presence::Presence(const Fields& f)
 
 std::vector<Mover> parse_movers(const YAML::Node& list, const std::string& file, const World& world)
 {
-  if (!list.IsSequence())
-    fail_at(list, file, "movers", "must be a list of movers, e.g. `- person: {...}`");
-  require_max_size(list, file, "movers", 1000);
+  require_list(list, file, "movers", "person: {...}");
   std::vector<Mover> movers;
   for (const auto& entry : list)
   {

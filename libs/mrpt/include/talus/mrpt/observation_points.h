@@ -48,6 +48,8 @@ Frame frame_from(const SensorPoints& points, const mrpt::poses::CPose3D& T_map_b
 
 /** The same rigid transform without MRPT. */
 Pose pose_from(const mrpt::poses::CPose3D& pose);
+/** The same with MRPT. */
+mrpt::poses::CPose3D to_mrpt(const Pose& T);
 
 /** Frame::sensor of the sensors of one map, by their labels: in the order in which they appear. */
 class SensorNumbers

@@ -1,7 +1,6 @@
 #pragma once
 #include <talus/baselines/method.h>
 #include <talus/baselines/score.h>
-#include <talus/baselines/sequence.h>
 #include <talus/baselines/truth_map.h>
 
 #include <optional>

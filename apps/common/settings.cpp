@@ -1,6 +1,6 @@
 #include "settings.h"
 
-#include "../common/command_line.h"
+#include "command_line.h"
 
 #include <talus/input_file.h>
 #include <talus/io/mrpt_error.h>

@@ -5,12 +5,14 @@
 #include <talus/io/rawlog_reader.h>
 #include <talus/live/messages.h>
 #include <talus/mrpt/observation_points.h>
+#include <talus/text.h>
+
+#include "bag_reader.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <deque>
-#include <filesystem>
 #include <map>
 #include <stdexcept>
 
@@ -18,6 +20,30 @@ namespace talus::app
 {
 namespace
 {
+class BagEvents : public Events
+{
+ public:
+  explicit BagEvents(const std::string& path) : reader_({path}, false)
+  {
+    std::vector<bool> wanted;
+    for (const auto& topic : reader_.topics()) wanted.push_back(topic.encoding == "cdr");
+    reader_.start(std::move(wanted));
+  }
+  bool next(Event& event) override
+  {
+    import::BagMessage message;
+    if (!reader_.next(message)) return false;
+    const auto& topic = reader_.topics()[message.topic];
+    event = {
+        static_cast<double>(message.log_time_ns) * 1e-9, topic.name, topic.type,
+        ends_with(topic.name, "tf_static"), std::string(reader_.payload())};
+    return true;
+  }
+
+ private:
+  import::BagReader reader_;
+};
+
 constexpr const char* kMap = "map";
 constexpr const char* kBase = "base_link";
 
@@ -32,13 +58,11 @@ std::string topic_of(const std::string& label)
 
 io::Trajectory poses_of(const std::string& path, const std::string& given)
 {
-  const std::string beside = trajectory_beside(path);
-  if (!given.empty()) return io::Trajectory::load(given);
-  if (std::filesystem::exists(beside)) return io::Trajectory::load(beside);
-  auto poses = io::trajectory_from_rawlog(path);
+  auto poses = poses_of_log(path, given);
   if (poses.empty())
     throw std::runtime_error(
-        path + ": has no poses of the robot. Pass --trajectory FILE, or put them into " + beside);
+        path + ": has no poses of the robot. Pass --trajectory FILE, or put them into " +
+        trajectory_beside(path));
   return poses;
 }
 
@@ -117,6 +141,11 @@ void RawlogEvents::read_scan()
   }
 }
 }  // namespace
+
+std::unique_ptr<Events> events_of_bag(const std::string& path)
+{
+  return std::make_unique<BagEvents>(path);
+}
 
 std::unique_ptr<Events> events_of_rawlog(const std::string& path, const RawlogTopics& options)
 {

@@ -1,5 +1,4 @@
 #pragma once
-#include <mrpt/maps/CHeightGridMap2D.h>
 #include <mrpt/maps/COctoMap.h>
 #include <talus/baselines/method.h>
 
@@ -35,20 +34,26 @@ struct Column
 Column read_column(
     const std::vector<bool>& occupied, double first_z_m, double resolution_m, double clearance_m);
 
-/** mrpt::maps::CHeightGridMap2D: the mean of all heights ever seen in a cell. It takes no point
- * clouds and does not grow, so points are inserted one by one and the grid is resized here. A
- * position so far off that the grid would take more than a gigabyte begins a new one. */
-class HeightGridMethod : public Method
-{
- public:
-  explicit HeightGridMethod(const Parameters& parameters);
-  void update(const Frame& frame) override;
-  Surfaces read() override;
+/** Fills `traversability` as grid filters do on one surface, `elevation_m`: in the square
+ * neighbourhood of feature_radius_m, unknown cells left out,
+ * - slope: angle of the least-squares plane, over slope_threshold_rad;
+ * - step: greatest height difference to the cell, over step_threshold_m;
+ * - roughness: RMS distance from that plane, over roughness_threshold_m;
+ * and their weighted sum, zero where any is zero (eq. 13 with unsigned features). Fewer than three
+ * known cells: slope and roughness count as perfect. */
+void judge_one_surface(Surfaces& surfaces, const Parameters& parameters);
 
- private:
-  Parameters parameters_;
-  std::unique_ptr<mrpt::maps::CHeightGridMap2D> map_;
-  Pose T_map_base_;
-};
+/** The same for maps with a ground below the elevation: slope and step on `ground_m`, and blocked
+ * where the elevation stands more than step_threshold_m above the ground. */
+void judge_two_surfaces(Surfaces& surfaces, const Parameters& parameters);
+
+/// @name Methods of make_method(), of which each source says what it does
+/// @{
+std::unique_ptr<Method> make_paper(const Parameters& parameters, Backend);
+std::unique_ptr<Method> make_heightgrid(const Parameters& parameters, Backend);
+std::unique_ptr<Method> make_highest(const Parameters& parameters, Backend);
+std::unique_ptr<Method> make_cucpp(const Parameters& parameters, Backend);
+std::unique_ptr<Method> make_cupy(const Parameters& parameters, Backend);
+/// @}
 
 }  // namespace talus::baselines
