@@ -128,6 +128,7 @@ void parse_ground(const YAML::Node& list, const std::string& file, World& world)
     fail_at(list, file, "ground", "must be a list of parts, e.g. `- plane: {z_m: 0}`");
   require_max_size(list, file, "ground", 1000);
   std::vector<std::string> names;
+  names.reserve(kKinds.size());
   for (const auto& k : kKinds) names.push_back(k.first);
   std::vector<std::pair<GroundPartPtr, Presence>> parts;
   std::set<double> changes_s;
