@@ -92,21 +92,22 @@ std::array<double, 8> parse_numbers(
   return v;
 }
 
-using Quaternion = mrpt::math::CQuaternionDouble;
-
-double norm_of(const Quaternion& q)
+struct Quaternion
 {
-  return std::sqrt(q.x() * q.x() + q.y() * q.y() + q.z() * q.z() + q.r() * q.r());
-}
+  double r, x, y, z;
+
+  double norm() const { return std::sqrt(x * x + y * y + z * z + r * r); }
+};
 
 /** `q`: of any length. */
 CPose3D pose_of(const Quaternion& q, double x, double y, double z)
 {
-  const double norm = norm_of(q);
-  return CPose3D(Quaternion(q.r() / norm, q.x() / norm, q.y() / norm, q.z() / norm), x, y, z);
+  const double norm = q.norm();
+  const mrpt::math::CQuaternionDouble unit(q.r / norm, q.x / norm, q.y / norm, q.z / norm);
+  return CPose3D(unit, x, y, z);
 }
 
-/** The number so many doubles beside it. */
+/** The double that is `steps` doubles above the number. */
 double beside(double number, int steps)
 {
   for (; steps != 0; steps -= steps > 0 ? 1 : -1)
@@ -118,15 +119,15 @@ double beside(double number, int steps)
 Quaternion quaternion_of(const CPose3D& pose)
 {
   constexpr int kMaxSteps = 2;
-  const Quaternion q = mrpt::poses::CPose3DQuat(pose).quat();
+  const auto mrpt = mrpt::poses::CPose3DQuat(pose).quat();
+  const Quaternion q{mrpt.r(), mrpt.x(), mrpt.y(), mrpt.z()};
   for (int max = 0; max <= kMaxSteps; ++max)
     for (int w = -max; w <= max; ++w)
       for (int x = -max; x <= max; ++x)
         for (int y = -max; y <= max; ++y)
           for (int z = -max; z <= max; ++z)
           {
-            const Quaternion near(
-                beside(q.r(), w), beside(q.x(), x), beside(q.y(), y), beside(q.z(), z));
+            const Quaternion near{beside(q.r, w), beside(q.x, x), beside(q.y, y), beside(q.z, z)};
             if (pose_of(near, 0, 0, 0).getRotationMatrix() == pose.getRotationMatrix()) return near;
           }
   return q;
@@ -142,8 +143,8 @@ Trajectory::Entry parse_line(
         path, line, "time stamp " + quoted(words[0]) + " is far too large for seconds",
         "Convert milli-, micro- or nanoseconds to seconds");
 
-  const Quaternion q(v[7], v[4], v[5], v[6]);
-  const double norm = norm_of(q);
+  const Quaternion q{v[7], v[4], v[5], v[6]};
+  const double norm = q.norm();
   constexpr double kNormTolerance = 0.05;  // two digits a number are enough to stay inside
   if (std::abs(norm - 1) > kNormTolerance)
     fail_at_line(
@@ -244,7 +245,7 @@ std::string tum_line(const Trajectory::Entry& entry)
   const Quaternion q = quaternion_of(p);
   std::string text =
       exact_number_text(mrpt::Clock::toDouble(mrpt::Clock::fromDouble(entry.time_s)));
-  for (const double number : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.r()})
+  for (const double number : {p.x(), p.y(), p.z(), q.x, q.y, q.z, q.r})
     text += " " + exact_number_text(number);
   return text + "\n";
 }
