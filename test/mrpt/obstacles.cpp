@@ -433,6 +433,20 @@ TEST(Drops, are_not_dared_before_a_wall_that_begins_lower_nor_where_nothing_was_
   EXPECT_EQ(floor.passage(Drops::Slope), Passage::Obstacle) << "nobody knows how deep";
 }
 
+TEST(Drops, are_not_dared_at_a_corner_where_one_line_alone_meets_lower_ground)
+{
+  FloorWithEdge floor;
+  floor.go_on_at(-0.3);
+  floor.for_cells(
+      0.6, 9,
+      [&](std::size_t i)
+      {
+        if (std::abs(floor.y_of(i)) > 0.2)
+          floor.layer(Layer::State)[i] = static_cast<float>(CellState::FilledOneSided);
+      });
+  EXPECT_EQ(floor.passage(Drops::Slope), Passage::Obstacle) << "nobody knows how deep it is beside";
+}
+
 TEST(Drops, a_guess_beside_one_is_driven_on_only_where_a_slope_explains_the_drop)
 {
   FloorWithEdge floor;
