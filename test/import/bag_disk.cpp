@@ -229,6 +229,21 @@ TEST(BagDisk, PartsThatTheDescriptionDoesNotNameAreTold)
   EXPECT_TRUE(holds(remarks, "does not name them: part_2.db3, part_3.db3, part_4.db3")) << remarks;
 }
 
+TEST(BagDisk, TheDescriptionNamesNoFilesElsewhereAndIsNotEndless)
+{
+  MAKE_BAGS("log.db3");
+  std::filesystem::create_directory(dir / "bag");
+  const std::string begin = "rosbag2_bagfile_information:\n  relative_file_paths: [";
+  for (const std::string name :
+       {std::string("../log.db3"), dir / "log.db3", std::string("x/../../log.db3")})
+  {
+    write_bytes(dir / "bag/metadata.yaml", begin + name + "]\n");
+    EXPECT_TRUE(holds(error_of(dir / "bag"), "bag/log.db3")) << error_of(dir / "bag");
+  }
+  write_bytes(dir / "bag/metadata.yaml", begin + "]\n" + std::string(5 << 20, '#') + "\n");
+  EXPECT_TRUE(holds(error_of(dir / "bag"), "metadata.yaml")) << error_of(dir / "bag");
+}
+
 TEST(BagDisk, AFolderWithScansAndABagIsRefused)
 {
   MAKE_BAGS("log.db3");

@@ -18,12 +18,13 @@ namespace talus::import
 {
 namespace
 {
-/** The file that a line of metadata.yaml means: before Foxy its path began with the folder's name;
- * of one that was packed as a whole, what was unpacked beside. */
+/** The file of the folder that a line of metadata.yaml means: before Foxy its path began with the
+ * folder's name; of one that was packed as a whole, what was unpacked beside. */
 fs::path file_named(const fs::path& folder, const std::string& name)
 {
-  const fs::path named = folder / name, beside = folder / fs::path(name).filename();
-  const fs::path path = fs::exists(named) ? named : beside;
+  const fs::path stated = fs::path(name).lexically_normal(), beside = folder / stated.filename();
+  const bool is_outside = stated.is_absolute() || stated.empty() || *stated.begin() == "..";
+  const fs::path path = !is_outside && fs::exists(folder / stated) ? folder / stated : beside;
   const fs::path unpacked = io::without_packing(path.string());
   return fs::exists(unpacked) ? unpacked : path;
 }
@@ -31,7 +32,7 @@ fs::path file_named(const fs::path& folder, const std::string& name)
 /** What metadata.yaml states. Throws YAML::Exception where it names no files. */
 FilesOfBag description_in(const fs::path& folder)
 {
-  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 24;
+  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 22;  // takes a hundred times as much
   const auto metadata = (folder / kBagDescription).string();
   const auto text = read_input_file(metadata, "description of a bag", kMaxBytes);
   const auto info = YAML::Load(text)["rosbag2_bagfile_information"];
