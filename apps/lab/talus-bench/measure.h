@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <ctime>
+#include <cmath>
 #include <vector>
 
 namespace talus::bench
@@ -9,7 +10,7 @@ namespace talus::bench
 /** Of an unordered sample; q in [0, 1]. */
 inline double quantile(std::vector<double> sample, double q)
 {
-  const auto at = static_cast<std::ptrdiff_t>(q * static_cast<double>(sample.size() - 1) + 0.5);
+  const std::ptrdiff_t at = std::lround(q * static_cast<double>(sample.size() - 1));
   std::nth_element(sample.begin(), sample.begin() + at, sample.end());
   return sample[static_cast<std::size_t>(at)];
 }

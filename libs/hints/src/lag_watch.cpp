@@ -108,6 +108,7 @@ std::vector<std::size_t> LagWatch::partners_of(std::size_t kept) const
   std::sort(found.begin(), found.end());
   if (found.size() > kPartners) found.resize(kPartners);
   std::vector<std::size_t> partners;
+  partners.reserve(found.size());
   for (const auto& [rate, i] : found) partners.push_back(i);
   return partners;
 }
