@@ -234,7 +234,7 @@ TEST(BagDisk, TheDescriptionNamesNoFilesElsewhereAndIsNotEndless)
   MAKE_BAGS("log.db3");
   std::filesystem::create_directory(dir / "bag");
   const std::string begin = "rosbag2_bagfile_information:\n  relative_file_paths: [";
-  for (const std::string name :
+  for (const std::string& name :
        {std::string("../log.db3"), dir / "log.db3", std::string("x/../../log.db3")})
   {
     write_bytes(dir / "bag/metadata.yaml", begin + name + "]\n");
