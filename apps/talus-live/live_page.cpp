@@ -7,6 +7,7 @@
 #include <talus/number_text.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -24,6 +25,15 @@ constexpr std::size_t kMaxTilesAtOnce = 4, kMaxTiles = 30000, kPointsOfPart = 10
 
 constexpr std::array kLayers{
     Layer::Traversability, Layer::GroundElevation, Layer::Elevation, Layer::State, Layer::Reached};
+
+/** Which of the values that a site keeps of a cell they are. */
+constexpr auto kKept = []
+{
+  std::array<std::size_t, kLayers.size()> kept{};
+  for (std::size_t k = 0; k < kept.size(); ++k)
+    while (site::kKeptLayers[kept[k]] != kLayers[k]) ++kept[k];
+  return kept;
+}();
 
 /** Without reaching, which is the last of them, where it tells nothing. */
 std::size_t layer_count(bool is_reached) { return kLayers.size() - (is_reached ? 0 : 1); }
@@ -185,11 +195,7 @@ io::LayerStack LivePage::square_of(site::Site& site, const site::TileKey& key) c
           const auto to = static_cast<std::size_t>(margin + by * kTileCells + y) * side + margin +
                           bx * kTileCells + x;
           for (std::size_t k = 0; k < stack.layers.size(); ++k)
-          {
-            const auto kept =
-                std::find(site::kKeptLayers.begin(), site::kKeptLayers.end(), kLayers[k]);
-            stack.layers[k][to] = values[kept - site::kKeptLayers.begin()];
-          }
+            stack.layers[k][to] = values[kKept[k]];
         }
     }
   return stack;

@@ -18,20 +18,28 @@ namespace
 constexpr int kMaxPixels = 4097;
 constexpr float kWhite = 65535;
 
-/** The rectangle of cells whose ground is known; its rows count from the south. */
-cv::Rect known_cells(const MapStrips& map)
+/** f(column, row, its ground) of each cell, rows from the south. */
+template <class F>
+void for_each_ground(const MapStrips& map, F f)
 {
-  cv::Rect box;
   map.for_each(
       [&](const Strip& strip)
       {
         const auto& ground = needed_layer(strip.map, Layer::GroundElevation);
         for_each_cell(
-            strip,
-            [&](std::size_t i, int ix, int iy)
-            {
-              if (!std::isnan(ground[i])) box |= cv::Rect(ix, strip.first_row + iy, 1, 1);
-            });
+            strip, [&](std::size_t i, int ix, int iy) { f(ix, strip.first_row + iy, ground[i]); });
+      });
+}
+
+/** The rectangle of cells whose ground is known; its rows count from the south. */
+cv::Rect known_cells(const MapStrips& map)
+{
+  cv::Rect box;
+  for_each_ground(
+      map,
+      [&](int ix, int iy, float ground)
+      {
+        if (!std::isnan(ground)) box |= cv::Rect(ix, iy, 1, 1);
       });
   return box;
 }
@@ -49,17 +57,12 @@ int side_for(int cells)
 cv::Mat1f square_of(const MapStrips& map, const cv::Point& corner, int side)
 {
   cv::Mat1f square(side, side, std::numeric_limits<float>::quiet_NaN());
-  map.for_each(
-      [&](const Strip& strip)
+  for_each_ground(
+      map,
+      [&](int ix, int iy, float ground)
       {
-        const auto& ground = needed_layer(strip.map, Layer::GroundElevation);
-        for_each_cell(
-            strip,
-            [&](std::size_t i, int ix, int iy)
-            {
-              const int x = ix - corner.x, y = strip.first_row + iy - corner.y;
-              if (x >= 0 && y >= 0 && x < side && y < side) square(side - 1 - y, x) = ground[i];
-            });
+        const int x = ix - corner.x, y = iy - corner.y;
+        if (x >= 0 && y >= 0 && x < side && y < side) square(side - 1 - y, x) = ground;
       });
   return square;
 }

@@ -259,7 +259,9 @@ LayerStack GeotiffFile::frame() const
 LayerStack GeotiffFile::read(const std::vector<std::string>& bands) const
 {
   const LayerStack whole = frame();
-  return read_part(0, 0, whole.cells_x, whole.cells_y, bands);
+  LayerStack stack = read_part(0, 0, whole.cells_x, whole.cells_y, bands);
+  impl_->dataset->FlushCache();  // the file stays open, its blocks need not
+  return stack;
 }
 
 LayerStack GeotiffFile::read_part(
@@ -278,7 +280,6 @@ LayerStack GeotiffFile::read_part(
         std::find(bands.begin(), bands.end(), band->GetDescription()) != bands.end())
       wanted.push_back(band);
   read_layers(wanted, x, y, stack, impl_->path, impl_->errors);
-  impl_->dataset->FlushCache();  // the file stays open, its blocks need not
   return stack;
 }
 
