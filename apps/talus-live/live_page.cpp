@@ -27,7 +27,7 @@ constexpr std::array kLayers{
     Layer::Traversability, Layer::GroundElevation, Layer::Elevation, Layer::State, Layer::Reached};
 
 /** Which of the values that a site keeps of a cell they are. */
-constexpr auto kKept = []
+constexpr auto kPlaces = []
 {
   std::array<std::size_t, kLayers.size()> kept{};
   for (std::size_t k = 0; k < kept.size(); ++k)
@@ -195,7 +195,7 @@ io::LayerStack LivePage::square_of(site::Site& site, const site::TileKey& key) c
           const auto to = static_cast<std::size_t>(margin + by * kTileCells + y) * side + margin +
                           bx * kTileCells + x;
           for (std::size_t k = 0; k < stack.layers.size(); ++k)
-            stack.layers[k][to] = values[kKept[k]];
+            stack.layers[k][to] = values[kPlaces[k]];
         }
     }
   return stack;
