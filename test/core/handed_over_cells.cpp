@@ -2,6 +2,7 @@
 #include "scene.h"
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -13,12 +14,7 @@ namespace
 {
 Scan bumps(double x, double y)
 {
-  Scan s(x, y, 0.7);
-  s.add_surface(
-      x - 4, y - 4, x + 4, y + 4,
-      [](double u, double v) { return 0.05 * std::sin(3 * u) * std::cos(2 * v); });
-  s.add_surface(x + 1, y + 1, x + 1.5, y + 2, [](double, double) { return 0.5; });
-  return s;
+  return textured(x, y).add_surface(x + 1, y + 1, x + 1.5, y + 2, level(0.5));
 }
 
 CellRect all_of(const Window& w) { return {w.min_cell_x, w.min_cell_y, w.cells, w.cells}; }
@@ -26,13 +22,15 @@ CellRect all_of(const Window& w) { return {w.min_cell_x, w.min_cell_y, w.cells, 
 bool same(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 bool same(const CellRecord& a, const CellRecord& b)
 {
-  return same(a.ground_m, b.ground_m) && same(a.ground_variance_m2, b.ground_variance_m2) &&
-         same(a.elevation_m, b.elevation_m) &&
-         same(a.elevation_variance_m2, b.elevation_variance_m2) &&
-         same(a.traversability, b.traversability) && a.state == b.state &&
-         std::equal(std::begin(a.evidence), std::end(a.evidence), b.evidence);
+  constexpr std::size_t kBytes = offsetof(CellRecord, evidence) + CellRecord::kEvidenceBytes;
+  return std::memcmp(&a, &b, kBytes) == 0;  // without what pads it
 }
 
+void expect_same(const CellRecords& a, const std::vector<CellRecord>& b)
+{
+  ASSERT_EQ(a.size, b.size());
+  for (std::size_t i = 0; i < a.size; i++) EXPECT_TRUE(same(a[i], b[i])) << "cell " << i;
+}
 std::vector<CellRecord> read(const TestMap& m, const std::vector<CellRect>& rects)
 {
   const CellRecords records = m.map.read_cells(rects);
@@ -78,15 +76,8 @@ TEST(HandedOverCells, PutBackMakeTheMapThatItWas)
   ASSERT_EQ(before.size(), after.size());
   for (std::size_t i = 0; i < before.size(); i++)
     EXPECT_TRUE(before[i].state == 0 || same(before[i], after[i])) << "cell " << i;
-}
-
-TEST(HandedOverCells, ThatAreUnknownChangeNothing)
-{
-  TestMap m(bumps(0, 0));
-  const std::vector<CellRecord> before = read(m, {all_of(m.map.window())});
-  write(m, {all_of(m.map.window())}, std::vector<CellRecord>(before.size()));
-  const std::vector<CellRecord> after = read(m, {all_of(m.map.window())});
-  for (std::size_t i = 0; i < before.size(); i++) EXPECT_TRUE(same(before[i], after[i]));
+  write(m, {all_of(w)}, std::vector<CellRecord>(before.size()));
+  expect_same(m.map.read_cells({all_of(w)}), after);  // what is unknown changes nothing
 }
 
 namespace
@@ -94,11 +85,6 @@ namespace
 const std::vector<Layer> kAllLayers = {
     Layer::Elevation, Layer::GroundElevation, Layer::Variance, Layer::State,         Layer::Slope,
     Layer::Step,      Layer::Roughness,       Layer::Sparsity, Layer::Traversability};
-void expect_same(const CellRecords& a, const std::vector<CellRecord>& b)
-{
-  ASSERT_EQ(a.size, b.size());
-  for (std::size_t i = 0; i < a.size; i++) EXPECT_TRUE(same(a[i], b[i])) << "cell " << i;
-}
 /** More rectangles than go at once, some of them empty. */
 std::vector<CellRect> stripes(const Window& w)
 {
@@ -133,9 +119,7 @@ TEST(HandedOverCells, AreInDeliveredLayersAsTheyAreReadBack)
       write(*m, stripes(m->map.window()), records);
     }
     EXPECT_NE(delivers.map.layer(Layer::GroundElevation), shown_before);
-    for (const Layer l : kAllLayers)
-      EXPECT_TRUE(same_bits(delivers.map.layer(l), is_asked.map.layer(l))) << layer_name(l);
-
+    expect_same_bits(delivers.map, is_asked.map, 1);
     EXPECT_EQ(delivers.map.save(), is_asked.map.save());
   }
 }
@@ -160,8 +144,12 @@ TEST(HandedOverCells, ComeWithAFrameAsTheyAreBeforeAndAfterIt)
   {
     const Scan scan = bumps(0.11 * i, -0.07 * i);
     cells.before = i == 0 ? std::vector<CellRect>{} : stripes(apart.map.window());
+    const Window next = apart.map.window_after(scan.frame());
     const std::vector<CellRecord> before = read(apart, cells.before);
     apart.map.update(scan.frame());
+    EXPECT_EQ(next.min_cell_x, apart.map.window().min_cell_x);
+    EXPECT_EQ(next.min_cell_y, apart.map.window().min_cell_y);
+    EXPECT_EQ(next.cells, apart.map.window().cells);
     cells.after = i % 4 == 1 ? std::vector<CellRect>{} : stripes(apart.map.window());
     together.map.update(scan.frame(), cells, [&] { expect_same(cells.records_before, before); });
     expect_same(cells.records_after, read(apart, cells.after));
@@ -219,20 +207,6 @@ TEST(HandedOverCells, ThatAreNotInTheWindowAreRefused)
   EXPECT_THROW(write(m, {all_of(w)}, {CellRecord()}), std::invalid_argument);
 }
 
-TEST(HandedOverCells, AreTheSameForTheWindowThatTheNextFrameWillHave)
-{
-  TestMap m;
-  for (const double x : {0.0, 0.42, 17.0, -3.3})
-  {
-    Scan scan = bumps(x, -x);
-    const Window expected = m.map.window_after(scan.frame());
-    m.update(scan);
-    EXPECT_EQ(expected.min_cell_x, m.map.window().min_cell_x);
-    EXPECT_EQ(expected.min_cell_y, m.map.window().min_cell_y);
-    EXPECT_EQ(expected.cells, m.map.window().cells);
-  }
-}
-
 TEST(HandedOverCells, OfAnotherFloorAreToldBeforeTheyGo)
 {
   TestMap m;
@@ -283,15 +257,15 @@ TEST(Contact, BeyondTheGateIsGroundBelowAndTopAbove)
 TEST(Contact, RefusesWhatIsNoMeasurementAndChangesNothing)
 {
   TestMap m;
-  EXPECT_TRUE(contains(error_of([&] { m.map.contact(0, 0, 0, 0.01); }), "window"));
+  EXPECT_TRUE(has(message_of([&] { m.map.contact(0, 0, 0, 0.01); }), "window"));
   m.update(Scan().add_surface(-3, -3, 3, 3, flat));
   const auto before = m.map.save();
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   for (const double sigma : {0.0, -0.01, kNothing, std::numeric_limits<double>::infinity()})
-    EXPECT_TRUE(contains(error_of([&] { m.map.contact(0, 0, 0, sigma); }), "sigma"));
+    EXPECT_TRUE(has(message_of([&] { m.map.contact(0, 0, 0, sigma); }), "sigma"));
   for (const double z : {kNothing, 2e5})
-    EXPECT_TRUE(contains(error_of([&] { m.map.contact(0, 0, z, 0.01); }), "z is"));
+    EXPECT_TRUE(has(message_of([&] { m.map.contact(0, 0, z, 0.01); }), "z is"));
   for (const double x : {4.001, -4.001, kNothing})
-    EXPECT_TRUE(contains(error_of([&] { m.map.contact(x, 0, 0, 0.01); }), "window"));
+    EXPECT_TRUE(has(message_of([&] { m.map.contact(x, 0, 0, 0.01); }), "window"));
   EXPECT_EQ(m.map.save(), before);
 }

@@ -147,13 +147,9 @@ TEST(FrameSequence, SaysHowAFrameStandsToThoseBefore)
        {99.2, kNewest}});
 }
 
-TEST(FrameSequence, OneWrongStampInTheFutureCostsNothingButItself)
+TEST(FrameSequence, JudgesEachSensorByItselfAndAWrongStampInTheFutureCostsNothingButItself)
 {
   expect_orders({{100.0, kNewest}, {1e9, kNewest}, {100.1, kSetBack}, {100.2, kNewest}});
-}
-
-TEST(FrameSequence, JudgesEachSensorByItself)
-{
   expect_orders(
       {{100.0, kNewest, 0},
        {99.95, kNewest, 1},
@@ -189,7 +185,7 @@ TEST(LiveMap, FramesOfTwoSensorsMayComeInterleaved)
   EXPECT_EQ(live.counts().duplicate, 12u);
 }
 
-TEST(LiveMap, DuplicatesAndLateFramesLeaveNoTrace)
+TEST(LiveMap, DuplicatesAndLateFramesLeaveNoTraceAndItGoesOnWhenTheClockWasSetBack)
 {
   const Drive drive(8);
   const auto expected = expected_bits(drive);
@@ -197,33 +193,19 @@ TEST(LiveMap, DuplicatesAndLateFramesLeaveNoTrace)
   EXPECT_EQ(map.snapshot(), nullptr);
   for (int i = 0; i < drive.size(); i++)
   {
-    EXPECT_EQ(map.ingest(drive[i]), FrameOrder::Newest);
-    EXPECT_EQ(map.ingest(drive[i]), FrameOrder::Duplicate);
+    Frame frame = drive[i], late = drive[std::max(i - 2, 0)];
+    for (Frame* f : {&frame, &late}) f->stamp_s -= i >= 6 ? 3600 : 0;
+    EXPECT_EQ(map.ingest(frame), i == 6 ? FrameOrder::ClockSetBack : FrameOrder::Newest);
+    EXPECT_EQ(map.ingest(frame), FrameOrder::Duplicate);
     if (i < 2) continue;
-    EXPECT_EQ(map.ingest(drive[i - 2]), FrameOrder::Late);
+    EXPECT_EQ(map.ingest(late), FrameOrder::Late);
     ASSERT_TRUE(same(bits_of(*map.snapshot()), expected[static_cast<std::size_t>(i) + 1])) << i;
   }
   const LiveCounts counts = map.counts();
   EXPECT_EQ(counts.mapped, 8u);
   EXPECT_EQ(counts.duplicate, 8u);
   EXPECT_EQ(counts.late, 6u);
-  EXPECT_EQ(counts.clock_set_back, 0u);
-}
-
-TEST(LiveMap, GoesOnWhenTheClockWasSetBack)
-{
-  const Drive drive(4);
-  const auto expected = expected_bits(drive);
-  LiveMap map(kSmallWindow, kLayers, tested_backend());
-  for (int i = 0; i < drive.size(); i++)
-  {
-    Frame frame = drive[i];
-    if (i >= 2) frame.stamp_s -= 3600;
-    EXPECT_EQ(map.ingest(frame), i == 2 ? FrameOrder::ClockSetBack : FrameOrder::Newest);
-  }
-  EXPECT_TRUE(same(bits_of(*map.snapshot()), expected.back()));
-  EXPECT_EQ(map.counts().mapped, 4u);
-  EXPECT_EQ(map.counts().clock_set_back, 1u);
+  EXPECT_EQ(counts.clock_set_back, 1u);
 }
 
 TEST(LiveMap, AFrameThatIsRefusedChangesNothing)
@@ -242,7 +224,7 @@ TEST(LiveMap, AFrameThatIsRefusedChangesNothing)
   EXPECT_TRUE(same(bits_of(*map.snapshot()), expected_bits(drive).back()));
 }
 
-TEST(LiveMap, ASnapshotHasTheLayersThatWereAskedForAndStaysAsItIs)
+TEST(LiveMap, ASnapshotHasTheLayersThatWereAskedForAndStaysAsItIsWhenTheMapIsCleared)
 {
   const Drive drive(12);
   const auto expected = expected_bits(drive);
@@ -257,26 +239,13 @@ TEST(LiveMap, ASnapshotHasTheLayersThatWereAskedForAndStaysAsItIs)
   EXPECT_EQ(held[0]->parameters.window_m, 4.0);
   map->clear();
   EXPECT_EQ(map->snapshot(), nullptr);
-  EXPECT_EQ(map->ingest(drive[0]), FrameOrder::Newest);
+  EXPECT_EQ(map->ingest(drive[0]), FrameOrder::Newest) << "the time of the last one is forgotten";
+  EXPECT_TRUE(same(bits_of(*map->snapshot()), expected[1])) << "the map is forgotten";
+  EXPECT_EQ(map->snapshot()->frame, 13u) << "and not taken for an earlier one by who holds that";
+  EXPECT_EQ(map->counts().mapped, 13u);
   map.reset();
   for (const auto& snapshot : held)
     EXPECT_TRUE(same(bits_of(*snapshot), expected[snapshot->frame]));
-}
-
-TEST(LiveMap, GoesOnCountingWhenItWasClearedAndTakesFramesOfAnyTime)
-{
-  const Drive drive(3);
-  const auto expected = expected_bits(drive);
-  LiveMap map(kSmallWindow, kLayers, tested_backend());
-  for (const int i : {0, 1, 2}) map.ingest(drive[i]);
-  const auto held = map.snapshot();
-  map.clear();
-  EXPECT_EQ(map.snapshot(), nullptr);
-  EXPECT_EQ(map.ingest(drive[0]), FrameOrder::Newest) << "the time of the last one is forgotten";
-  EXPECT_TRUE(same(bits_of(*map.snapshot()), expected[1])) << "the map is forgotten";
-  EXPECT_EQ(map.snapshot()->frame, 4u) << "and not taken for an earlier one by who holds that";
-  EXPECT_EQ(held->frame, 3u);
-  EXPECT_EQ(map.counts().mapped, 4u);
 }
 
 TEST(LiveMap, ReadersSeeWholeFramesWhileOthersComeIn)

@@ -18,23 +18,6 @@ namespace
 {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Window window_around_origin()
-{
-  Window w;
-  w.cells = 4;
-  w.resolution_m = 0.5;
-  w.min_cell_x = -2;
-  w.min_cell_y = -1;
-  return w;
-}
-
-Scan box_ahead()
-{
-  Scan scan;
-  scan.cast({{{1.5, -0.5, 0}, {1.8, 0.2, 0.4}}}, 180, -0.6, 0.1, 16);
-  return scan;
-}
-
 /** x, y, z of each point, then `gap_bytes` of something else. */
 std::vector<unsigned char> interleaved(const Frame& f, std::size_t gap_bytes)
 {
@@ -49,18 +32,13 @@ std::vector<unsigned char> interleaved(const Frame& f, std::size_t gap_bytes)
 }
 }  // namespace
 
-TEST(WindowOfCells, FindsTheCellOfAPlaceOnBothSidesOfZero)
+TEST(WindowOfCells, FindsTheCellOfAPlaceOnBothSidesOfZeroAndNoneOutside)
 {
-  const Window w = window_around_origin();  // x from -1 to 1, y from -0.5 to 1.5
+  const Window w{4, 0.5, -2, -1};  // x from -1 to 1, y from -0.5 to 1.5
   EXPECT_EQ(w.index_at(-1.0, -0.5), 0u);
   EXPECT_EQ(w.index_at(-0.01, -0.01), 1u);
   EXPECT_EQ(w.index_at(0.0, 0.0), 6u);
   EXPECT_EQ(w.index_at(0.99, 1.49), 15u);
-}
-
-TEST(WindowOfCells, HasNoCellOutside)
-{
-  const Window w = window_around_origin();
   for (const double x : {-1.01, 1.0, 1e300, -kInfinity, kInfinity, std::nan("")})
     EXPECT_FALSE(w.index_at(x, 0)) << x;
   for (const double y : {-0.51, 1.5, -1e300, std::nan("")}) EXPECT_FALSE(w.index_at(0, y)) << y;
@@ -71,18 +49,13 @@ TEST(MapView, ReadsAMapAtAPlace)
 {
   const Scan scan = box_ahead();
   ElevationMapper map({}, Backend::Cpu, 1);
-  map.update(scan.frame());
   const MapView view = map;
+  EXPECT_TRUE(std::isnan(view.at(Layer::Traversability, 0.1, 0.1)));  // no frame yet
+  map.update(scan.frame());
   EXPECT_NEAR(view.at(Layer::GroundElevation, 1.22, -0.13), 0, 0.02);
   EXPECT_NEAR(view.at(Layer::Elevation, 1.52, -0.13), 0.4, 0.1);
   EXPECT_EQ(view.at(Layer::Traversability, 1.52, -0.13), 0);
   EXPECT_TRUE(std::isnan(view.at(Layer::Elevation, 4.3, 0)));  // outside of the window
-}
-
-TEST(MapView, OfAMapWithoutAFrameKnowsNothing)
-{
-  const ElevationMapper map({}, Backend::Cpu, 1);
-  EXPECT_TRUE(std::isnan(MapView(map).at(Layer::Traversability, 0.1, 0.1)));
 }
 
 TEST(MapView, ReadsASnapshotAsItReadsTheMap)

@@ -14,13 +14,9 @@ using namespace talus::test;
 
 namespace
 {
-std::string message_of(const Parameters& p)
-{
-  return error_of([&] { p.validate(); });
-}
 void expect_said(const Parameters& p, const std::string& what)
 {
-  EXPECT_TRUE(contains(message_of(p), what)) << what << ": " << message_of(p);
+  EXPECT_TRUE(has(message_of([&] { p.validate(); }), what));
 }
 }  // namespace
 
@@ -34,29 +30,26 @@ TEST(Parameters, DefaultsAreThoseOfThePaperAndValid)
   EXPECT_EQ(p.roughness_threshold_m, 0.2);
 }
 
-TEST(Parameters, EveryEntryOfTheTableReadsBackWhatWasSet)
+TEST(Parameters, EveryEntryOfTheTableReadsBackWhatWasSetAndSetsNothingElse)
 {
   for (const auto& info : parameter_table())
   {
     Parameters p;
+    for (const double bad : {std::nan(""), -1e300, 1e300})
+    {
+      EXPECT_THROW(set_parameter(p, info, bad), std::invalid_argument) << info.name;
+      EXPECT_TRUE(is_same_value(info, p, Parameters())) << info.name;
+    }
     for (const double v : {info.min, info.max})
     {
       if (info.is_text()) break;
-      info.set(p, v);
+      set_parameter(p, info, v);
       EXPECT_EQ(info.get(p), v) << info.name;
     }
     Parameters q;
     set_parameter(q, info.name, parameter_text(Parameters(), info));
     EXPECT_TRUE(is_same_value(info, q, Parameters())) << info.name;
   }
-}
-
-TEST(Parameters, AnOversizedWindowIsRefusedWithItsSize)
-{
-  Parameters p;
-  p.window_m = 5000;
-  expect_said(p, "100000 x 100000 cells");
-  EXPECT_THROW(ElevationMapper{p}, std::invalid_argument);
 }
 
 TEST(Parameters, ValuesOutOfRangeAreNamedWithTheirRange)
@@ -70,8 +63,17 @@ TEST(Parameters, ValuesOutOfRangeAreNamedWithTheirRange)
   p.weight_slope = 0.9;
   expect_said(p, "must be 1, not 1.5");
   p = {};
+  p.voxel_m = 1e-5;
+  EXPECT_NO_THROW(p.validate());
+  p.max_range_m = 1e6;
+  expect_said(p, "voxel_m = 1e-05 m is too small");
+  p = {};
+  p.window_m = 5000;
+  expect_said(p, "100000 x 100000 cells");
+  EXPECT_THROW(ElevationMapper{p}, std::invalid_argument);
+  p = {};
   p.slope_threshold_rad = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(message_of(p), "");
+  expect_said(p, "slope_threshold_rad = nan");
 }
 
 TEST(Parameters, TextIsParsedWholeOrRefused)
@@ -82,6 +84,7 @@ TEST(Parameters, TextIsParsedWholeOrRefused)
   for (const char* bad : {"", "abc", "0.05m", "1e9", "nan"})
     EXPECT_THROW(set_parameter(p, "resolution_m", bad), std::invalid_argument) << bad;
   EXPECT_THROW(set_parameter(p, "cleanup_frames", "1.5"), std::invalid_argument);
+  EXPECT_THROW(set_parameter(p, *find_parameter("fill_samples"), 1.5), std::invalid_argument);
 }
 
 TEST(Parameters, AnObjectSizeThatTheCellsCannotCountIsRefusedWithWhatIsPossible)
@@ -90,7 +93,7 @@ TEST(Parameters, AnObjectSizeThatTheCellsCannotCountIsRefusedWithWhatIsPossible)
   for (const double m : {0.1, 0.11, 0.25, 0.99, 3.2, 3.25, 3.29})
   {
     p.object_size_m = m;
-    EXPECT_EQ(message_of(p), "") << m;
+    EXPECT_NO_THROW(p.validate()) << m;
   }
   for (const double m : {0.05, 0.099, 3.31, 30.0})
   {
@@ -128,8 +131,7 @@ TEST(Parameters, WhatIsNoBoxOfTheBodyIsRefusedWithAReason)
   const auto says = [](const std::string& text, const std::string& what)
   {
     Parameters p;
-    const std::string said = error_of([&] { set_parameter(p, "body_boxes_m", text); });
-    EXPECT_TRUE(contains(said, what)) << text << ": " << said;
+    EXPECT_TRUE(has(message_of([&] { set_parameter(p, "body_boxes_m", text); }), what)) << text;
     EXPECT_TRUE(p.body_boxes_m.empty());
   };
   for (const char* text :
@@ -147,15 +149,6 @@ TEST(Parameters, WhatIsNoBoxOfTheBodyIsRefusedWithAReason)
   expect_said(p, "no extent in z");
 }
 
-TEST(Parameters, VoxelsThatCannotBeCountedAreRefused)
-{
-  Parameters p;
-  p.voxel_m = 1e-5;
-  EXPECT_EQ(message_of(p), "");
-  p.max_range_m = 1e6;
-  expect_said(p, "voxel_m = 1e-05 m is too small");
-}
-
 TEST(Parameters, OnlyANameThatIsNearIsOffered)
 {
   EXPECT_EQ(nearest_parameter_name("resolutoin_m"), "resolution_m");
@@ -165,8 +158,9 @@ TEST(Parameters, OnlyANameThatIsNearIsOffered)
   for (const char* far : {"foo", "", "x", "colour", "number_of_cells"})
     EXPECT_EQ(nearest_parameter_name(far), "") << far;
   Parameters p;
-  const std::string said = error_of([&] { set_parameter(p, "foo", "1"); });
-  EXPECT_TRUE(contains(said, "'foo'") && !contains(said, "did you mean")) << said;
+  const std::string said = message_of([&] { set_parameter(p, "foo", "1"); });
+  EXPECT_TRUE(has(said, "'foo'"));
+  EXPECT_FALSE(has(said, "did you mean"));
 }
 
 TEST(NumberText, is_what_people_and_programs_write)
@@ -184,17 +178,4 @@ TEST(NumberText, is_what_people_and_programs_write)
   EXPECT_EQ(fixed_text(-1.7976931348623157e308, 3).size(), 314U);
   EXPECT_EQ(fixed_text(0.125, 2), "0.12");
   EXPECT_EQ(fixed_text(std::nan(""), 2), "nan");
-}
-
-TEST(Parameters, ANumberThatIsNotAllowedIsNotSet)
-{
-  for (const auto& info : parameter_table())
-    for (const double bad : {std::nan(""), -1e300, 1e300})
-    {
-      Parameters p;
-      EXPECT_THROW(set_parameter(p, info, bad), std::invalid_argument) << info.name;
-      EXPECT_TRUE(is_same_value(info, p, Parameters())) << info.name;
-    }
-  Parameters p;
-  EXPECT_THROW(set_parameter(p, *find_parameter("fill_samples"), 1.5), std::invalid_argument);
 }

@@ -55,19 +55,13 @@ TEST(PointLabels, TellGroundFromWhatStandsOnIt)
   EXPECT_GT(count(labels, PointLabel::Stands), 100u);
 }
 
-TEST(PointLabels, WhatIsHighUpHangs)
+TEST(PointLabels, WhatIsHighUpHangsAndIsNoPartOfTheObjectBelowIt)
 {
-  Scan scan = Scan().add_surface(-3, -3, 3, 3, flat);
-  scan.add_surface(1, -1, 2, 1, level(1.5));  // above the sensor, and hit from below
-  TestMap m(scan);
+  Scan scan = Scan().add_surface(-3, -3, 3, 3, flat).add_surface(1, 1, 1.5, 1.5, level(0.4));
+  TestMap m(scan.add_surface(1, -2, 2, 0, level(1.5)));  // above the sensor, and hit from below
   const std::vector<PointLabel> labels = label_points(m.map, scan.frame());
   EXPECT_EQ(count(labels, PointLabel::Ground), 120u * 120u);
   EXPECT_EQ(count(labels, PointLabel::Hangs), 20u * 40u);
-}
-
-TEST(PointLabels, WhatHangsAboveAnObjectIsNoPartOfIt)
-{
-  TestMap m(Scan().add_surface(-3, -3, 3, 3, flat).add_surface(1, 1, 1.5, 1.5, level(0.4)));
   EXPECT_EQ(label_at(m, 1.22, 1.22, 0.38), PointLabel::Stands);
   EXPECT_EQ(label_at(m, 1.22, 1.22, 0.55), PointLabel::Stands);
   EXPECT_EQ(label_at(m, 1.22, 1.22, 0.4 + 0.7), PointLabel::Hangs);
@@ -134,14 +128,7 @@ TEST(PointLabels, WhatIsHighUpWhereSomethingLeftLatelyDoesNotHang)
   EXPECT_EQ(label_at(never, 1.525, 0.025, 1.4), PointLabel::Hangs);
 }
 
-TEST(PointLabels, APointBelowTheGroundIsAReflection)
-{
-  TestMap m(Scan().add_surface(-3, -3, 3, 3, flat));
-  EXPECT_EQ(label_at(m, 1, 1, -0.5), PointLabel::BelowGround);
-  EXPECT_EQ(label_at(m, 1, 1, -0.05), PointLabel::Ground);  // noise
-}
-
-TEST(PointLabels, AReflectionOfTheFrameItselfIsBelowTheGround)
+TEST(PointLabels, AReflectionIsBelowTheGroundAlsoThatOfTheFrameItself)
 {
   const Scan floor = Scan().cast({});
   const Scan reflected = Scan(floor).add(2, 0.01, -0.5);
@@ -150,6 +137,8 @@ TEST(PointLabels, AReflectionOfTheFrameItselfIsBelowTheGround)
   const std::vector<PointLabel> labels = label_points(m.map, reflected.frame());
   EXPECT_EQ(labels.back(), PointLabel::BelowGround);
   EXPECT_EQ(count(labels, PointLabel::BelowGround), 1u);
+  EXPECT_EQ(label_at(m, 1.5, 1, -0.5), PointLabel::BelowGround);
+  EXPECT_EQ(label_at(m, 1.5, 1, -0.05), PointLabel::Ground);  // noise
 }
 
 TEST(PointLabels, SayWhatTheMapDoesNotTake)
@@ -177,7 +166,7 @@ TEST(PointLabels, AreOutsideWhereTheMapKnowsNoGround)
   EXPECT_EQ(label_at(m, 1e5, 0, 0, Scan(1e5, 0)), PointLabel::Outside);
 }
 
-TEST(PointLabels, FollowTheWindowOnBothSidesOfTheOrigin)
+TEST(PointLabels, FollowTheWindowOnBothSidesOfTheOriginAndPosesThatClimb)
 {
   TestMap m;
   for (const double x : {0.0, -5.03, 7.21})
@@ -190,20 +179,14 @@ TEST(PointLabels, FollowTheWindowOnBothSidesOfTheOrigin)
     EXPECT_EQ(count(labels, PointLabel::Ground), 120u * 120u);
     EXPECT_EQ(count(labels, PointLabel::Stands), 10u * 10u);
   }
-}
-
-TEST(PointLabels, FollowPosesThatClimb)
-{
-  TestMap m;
+  TestMap climbs;
   const Scan level_floor = Scan().add_surface(-3, -3, 3, 3, flat);
   Frame frame = level_floor.frame();
-  for (int i = 0; i < 10; i++)
-  {
-    frame.T_map_sensor.m[11] = 0.7 + 0.05 * i;
-    m.map.update(frame);
-  }
-  EXPECT_EQ(count(label_points(m.map, frame), PointLabel::Ground), 120u * 120u);
-  EXPECT_EQ(count(label_points(m.map, level_floor.frame()), PointLabel::BelowGround), 120u * 120u);
+  for (int i = 0; i < 10; i++, frame.T_map_sensor.m[11] += 0.05) climbs.map.update(frame);
+  frame.T_map_sensor.m[11] -= 0.05;
+  EXPECT_EQ(count(label_points(climbs.map, frame), PointLabel::Ground), 120u * 120u);
+  EXPECT_EQ(
+      count(label_points(climbs.map, level_floor.frame()), PointLabel::BelowGround), 120u * 120u);
 }
 
 TEST(PointLabels, TakeEachPointWhereTheSensorWasAtItsTime)

@@ -157,7 +157,7 @@ TEST(Stage4Classify, TheEdgeOfAPlatformOnWhichTheRobotStandsIsGround)
   }
 }
 
-TEST(Stage4Classify, ABridgeIsGround)
+TEST(Stage4Classify, ABridgeAndAJettyAreGroundToTheirEnds)
 {
   const auto low = level(-0.6);
   TestMap m(Scan()
@@ -171,19 +171,15 @@ TEST(Stage4Classify, ABridgeIsGround)
     EXPECT_EQ(m.state(1.625, y), CellState::Measured) << y;
     EXPECT_NEAR(m.ground(1.625, y), 0.0, 1e-5) << y;
   }
-}
-
-TEST(Stage4Classify, AJettyIsGroundToItsEnd)
-{
-  Scan s;
-  const auto low = level(-0.6);
-  s.add_surface(-2, -3, 0.5, 3, flat).add_surface(0.5, -0.3, 3.5, 0.3, flat);
-  s.add_surface(0.5, -3, 3.5, -0.3, low).add_surface(0.5, 0.3, 3.5, 3, low);
-  TestMap m(s);
+  TestMap jetty(Scan()
+                    .add_surface(-2, -3, 0.5, 3, flat)
+                    .add_surface(0.5, -0.3, 3.5, 0.3, flat)
+                    .add_surface(0.5, -3, 3.5, -0.3, low)
+                    .add_surface(0.5, 0.3, 3.5, 3, low));
   for (double x = 0.525; x < 3.2; x += 0.05)
   {
-    EXPECT_EQ(m.state(x, 0.025), CellState::Measured) << x;
-    EXPECT_NEAR(m.ground(x, 0.025), 0.0, 1e-5) << x;
+    EXPECT_EQ(jetty.state(x, 0.025), CellState::Measured) << x;
+    EXPECT_NEAR(jetty.ground(x, 0.025), 0.0, 1e-5) << x;
   }
 }
 
@@ -279,34 +275,22 @@ TEST(Stage4Reach, TheFloorBehindAWallIsGroundThoughNoWayLeadsThere)
   EXPECT_TRUE(std::isnan(m.at(Layer::Reached, -3.5, 0.025))) << "not known";
 }
 
-TEST(Stage4Reach, APlatformWithARampIsGroundUpToItsEdge)
+TEST(Stage4Reach, ATerraceIsGroundAndSoIsAPlatformUpToItsEdgeAsSoonAsAWayIsSeenThatLeadsThere)
 {
-  TestMap m(platform(true));
+  TestMap terrace(platform(false)), ramp(platform(true));
+  for (const double x : {1.525, 3.025}) EXPECT_NEAR(terrace.ground(x, 1.525), 0.3, 1e-5) << x;
+  for (const double x : {1.525, 3.025})
+    EXPECT_EQ(terrace.state(x, 1.525), CellState::Measured) << x;
+  // The first frame shows what is passable, and the next one where that leads to.
+  for (int i = 0; i < 3; i++) terrace.update(platform(true));
   for (double x = 1.025; x < 3; x += 0.05)
   {
-    EXPECT_EQ(m.state(x, 1.525), CellState::Measured) << x;
-    EXPECT_NEAR(m.ground(x, 1.525), 0.3, 1e-5) << x;
+    if (x > 1.3) EXPECT_EQ(terrace.state(x, 1.525), CellState::Measured) << x;
+    EXPECT_EQ(ramp.state(x, 1.525), CellState::Measured) << x;
+    EXPECT_NEAR(ramp.ground(x, 1.525), 0.3, 1e-5) << x;
   }
-  EXPECT_GT(m.traversability(2.025, 1.525), 0.99f);
-}
-
-TEST(Stage4Reach, ATerraceThatNoWayLeadsToIsGround)
-{
-  TestMap m(platform(false));
-  for (const double x : {1.525, 3.025})
-  {
-    EXPECT_EQ(m.state(x, 1.525), CellState::Measured) << x;
-    EXPECT_NEAR(m.ground(x, 1.525), 0.3, 1e-5) << x;
-  }
-}
-
-TEST(Stage4Reach, AWayThatIsSeenLaterLeadsToThePlatform)
-{
-  TestMap m(platform(false));
-  // The first frame shows what is passable, and the next one where that leads to.
-  for (int i = 0; i < 3; i++) m.update(platform(true));
-  EXPECT_EQ(m.state(1.325, 1.525), CellState::Measured);
-  EXPECT_GT(m.traversability(1.525, 1.525), 0.99f);
+  EXPECT_GT(terrace.traversability(1.525, 1.525), 0.99f);
+  EXPECT_GT(ramp.traversability(2.025, 1.525), 0.99f);
 }
 
 TEST(Stage4Reach, AGuessBetweenTheFloorAndTheTopOfABoxLeadsNowhere)

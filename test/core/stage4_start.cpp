@@ -76,20 +76,16 @@ TEST(Stage4Start, WhatIsHitThereStandsAndNothingIsPresumedBehindIt)
   EXPECT_EQ(m.state(-1.775, 0.025), CellState::Presumed);
 }
 
-TEST(Stage4Start, OfRadiusZeroOnlyWhatTheRobotStandsOnIsKnown)
-{
-  TestMap m = started(sixteen_beams(), with_radius(0));
-  EXPECT_EQ(m.state(0.175, 0.025), CellState::Presumed);
-  EXPECT_EQ(m.state(0.375, 0.025), CellState::Unknown);
-  EXPECT_EQ(m.state(1.525, 0.025), CellState::FilledOneSided);
-}
-
-TEST(Stage4Start, ARadiusThatIsToldIsADiscInEachDirection)
+TEST(Stage4Start, ARadiusThatIsToldIsADiscInEachDirectionAndOfZeroWhatTheRobotStandsOn)
 {
   TestMap m = started(sixteen_beams({kBox}), with_radius(1.7));
   for (const double x : {1.625, -1.625}) EXPECT_EQ(m.state(x, 0.025), CellState::Presumed) << x;
   for (const double x : {1.775, -1.775}) EXPECT_NE(m.state(x, 0.025), CellState::Presumed) << x;
   EXPECT_EQ(m.traversability(1.025, 0.025), 0.0f);
+  TestMap zero = started(sixteen_beams(), with_radius(0));
+  EXPECT_EQ(zero.state(0.175, 0.025), CellState::Presumed);
+  EXPECT_EQ(zero.state(0.375, 0.025), CellState::Unknown);
+  EXPECT_EQ(zero.state(1.525, 0.025), CellState::FilledOneSided);
 }
 
 TEST(Stage4Start, AFrameThatDoesNotTellWhereTheBaseIsPresumesNothing)
@@ -123,14 +119,11 @@ TEST(Stage4Start, NothingIsPresumedTowardsADropOff)
     EXPECT_NE(m.state(x, 0.025), CellState::Presumed) << x;
   EXPECT_EQ(m.state(-1.775, 0.025), CellState::Presumed);
   EXPECT_EQ(m.state(0.575, 0.025), CellState::Presumed) << "there it stands, with room to move off";
-}
-
-TEST(Stage4Start, ADropOffGoesOnBesideWhereItIsSeen)
-{
   const Box behind{{-5, -5, 0}, {1.2, 5, 1}}, left{{1.2, 0.4, 0}, {8, 5, 1}};
-  TestMap m = started(sixteen_beams({behind, left}, 0, 1));
-  EXPECT_NE(m.state(1.525, 0.425), CellState::Presumed);
-  EXPECT_EQ(m.state(1.525, 1.525), CellState::Presumed);
+  TestMap corner = started(sixteen_beams({behind, left}, 0, 1));
+  EXPECT_NE(corner.state(1.525, 0.425), CellState::Presumed)
+      << "it goes on beside where it is seen";
+  EXPECT_EQ(corner.state(1.525, 1.525), CellState::Presumed);
 }
 
 TEST(Stage4Start, NothingIsPresumedWhereGroundIsSeenTooFarAway)
@@ -217,6 +210,7 @@ TEST(Stage4Underfoot, WhatIsAsHighAsWhatTheRobotJustDroveThroughIsDrivenThroughT
           .add_surface(0.4, -1, 1, 1, flat),
       with_radius(0));
   m.update(sixteen_beams(), kOnRobot);  // through grass
+  m.map.restore(m.map.save());
   m.update(sixteen_beams({}, 0.7), kOnRobot);  // beside it
   m.update(Scan(-2, 0, kSensor_m)
                .add_surface(0.6, -0.1, 0.8, 0.1, grass)

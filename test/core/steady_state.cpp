@@ -44,7 +44,7 @@ class Drive
   std::vector<Frame> frames_;
 };
 
-constexpr Layer kDelivered[] = {Layer::Traversability, Layer::Elevation};
+const std::vector<Layer> kDelivered{Layer::Traversability, Layer::Elevation};
 
 /** Allocations in so many frames, layers read after each, of a map that is warm. */
 std::uint64_t allocations_when_warm(Parameters p, int threads, int frames = kFrames)
@@ -52,7 +52,7 @@ std::uint64_t allocations_when_warm(Parameters p, int threads, int frames = kFra
   p.window_m = 3;
   const Drive drive;
   ElevationMapper map(p, Backend::Cpu, threads);
-  map.set_output_layers({Layer::Traversability, Layer::Elevation});
+  map.set_output_layers(kDelivered);
   const auto one = [&](int i)
   {
     map.update(drive[i]);
@@ -92,7 +92,7 @@ TEST(SteadyState, NeitherDoFramesOfWhichTwoAreInFlight)
   Parameters p;
   p.window_m = 3;
   ElevationMapper map(p, Backend::Cpu, 1);
-  map.set_output_layers({std::begin(kDelivered), std::end(kDelivered)});
+  map.set_output_layers(kDelivered);
   map.start(drive[0]);
   std::uint64_t before = 0;
   for (int i = 1; i < kWarm + kFrames; i++)
@@ -108,7 +108,7 @@ TEST(SteadyState, NeitherDoFramesOfWhichTwoAreInFlight)
 TEST(SteadyState, FramesIntoALiveMapThatIsReadAllocateNothing)
 {
   const Drive drive;
-  LiveMap map({}, {Layer::Traversability, Layer::Elevation}, Backend::Cpu, 1);
+  LiveMap map({}, kDelivered, Backend::Cpu, 1);
   std::uint64_t of_ingestion = 0;
   for (int i = 0; i < kWarm + kFrames; i++)
   {

@@ -181,15 +181,7 @@ TEST(Formats, a_layer_that_is_missing_is_named)
   io::LayerStack map = small_terrain();
   map.names[0] = "other";
   mrpt::maps::COccupancyGridMap2D grid;
-  try
-  {
-    to_occupancy_grid(map, 0, grid);
-    FAIL();
-  }
-  catch (const std::runtime_error& e)
-  {
-    EXPECT_SAYS(std::string(e.what()), "'traversability'") << e.what();
-  }
+  expect_error([&] { to_occupancy_grid(map, 0, grid); }, {"'traversability'"});
 }
 
 TEST(Formats, the_heightmap_has_2_to_the_n_and_1_pixels_and_tells_where_it_lies)

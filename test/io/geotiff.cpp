@@ -48,7 +48,7 @@ struct Open
 };
 }  // namespace
 
-TEST(GeoTiff, comes_back_with_the_same_bits)
+TEST(GeoTiff, comes_back_with_the_same_bits_whole_and_part_by_part)
 {
   const ScratchDir dir;
   const LayerStack out = small_stack();
@@ -63,20 +63,13 @@ TEST(GeoTiff, comes_back_with_the_same_bits)
   ASSERT_EQ(in.layers.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_EQ(std::memcmp(in.layers[i].data(), out.layers[i].data(), 6 * sizeof(float)), 0) << i;
-}
-
-TEST(GeoTiff, is_read_part_by_part)
-{
-  const ScratchDir dir;
-  const LayerStack out = small_stack();
-  write_geotiff(dir / "map.tif", out);
+  for (const auto& entry : fs::directory_iterator(dir / ""))
+    EXPECT_EQ(entry.path().filename(), "map.tif") << "a companion";
   const GeotiffFile file(dir / "map.tif");
-  const LayerStack part = file.read_part(1, 1, 2, 1, {out.names[1]});
-  EXPECT_EQ(part.min_x_m, -1.25);
+  const LayerStack part = file.read_part(2, 1, 1, 1, {out.names[1]});
+  EXPECT_EQ(part.min_x_m, -1);
   EXPECT_EQ(part.min_y_m, 10.25);
-  ASSERT_EQ(part.layers.size(), 1U);
-  ASSERT_EQ(part.layers[0].size(), 2U);
-  EXPECT_EQ(std::memcmp(part.layers[0].data(), out.layers[1].data() + 4, 2 * sizeof(float)), 0);
+  EXPECT_EQ(part.layers, (std::vector<std::vector<float>>{{out.layers[1][5]}}));
   EXPECT_THROW(file.read_part(1, 1, 3, 1), std::invalid_argument);
 }
 
@@ -104,23 +97,6 @@ TEST(GeoTiff, is_north_up_in_metres_of_the_map_frame)
   EXPECT_TRUE(frame->IsLocal());
   EXPECT_STREQ(frame->GetName(), "talus map frame");
   EXPECT_EQ(frame->GetLinearUnits(), 1.0);
-}
-
-TEST(GeoTiff, names_its_bands_and_marks_unknown_cells_as_nodata)
-{
-  const ScratchDir dir;
-  write_geotiff(dir / "map.tif", small_stack(), {{"LOG", "a.rawlog"}});
-  const Open tif(dir / "map.tif");
-  ASSERT_EQ(tif.data->GetRasterCount(), 2);
-  auto* band = tif.data->GetRasterBand(2);
-  EXPECT_STREQ(band->GetDescription(), "state");
-  EXPECT_EQ(band->GetRasterDataType(), GDT_Float32);
-  int has_nodata = 0;
-  EXPECT_TRUE(std::isnan(band->GetNoDataValue(&has_nodata)));
-  EXPECT_TRUE(has_nodata);
-  EXPECT_STREQ(tif.data->GetMetadataItem("LOG"), "a.rawlog");
-  EXPECT_STREQ(tif.data->GetMetadataItem("COMPRESSION", "IMAGE_STRUCTURE"), "DEFLATE");
-  EXPECT_STREQ(tif.data->GetMetadataItem("PREDICTOR", "IMAGE_STRUCTURE"), "3");
 }
 
 TEST(GeoTiff, of_degrees_or_with_a_value_for_no_data_is_refused)
@@ -155,7 +131,7 @@ TEST(GeoTiff, has_the_bands_of_all_maps_first_with_units_statistics_and_classes)
   stack.names = {"elevation",        "state",          "slope",   "colour",
                  "ground_elevation", "traversability", "variance"};
   stack.layers.resize(7, stack.layers[0]);
-  write_geotiff(dir / "map.tif", stack);
+  write_geotiff(dir / "map.tif", stack, {{"LOG", "a.rawlog"}});
   const LayerStack in = read_geotiff(dir / "map.tif");
   EXPECT_EQ(
       in.names, (std::vector<std::string>{
@@ -163,6 +139,13 @@ TEST(GeoTiff, has_the_bands_of_all_maps_first_with_units_statistics_and_classes)
                     "colour"}));
   const Open tif(dir / "map.tif");
   const auto band = [&](int i) { return tif.data->GetRasterBand(i); };
+  EXPECT_STREQ(tif.data->GetMetadataItem("LOG"), "a.rawlog");
+  EXPECT_STREQ(tif.data->GetMetadataItem("COMPRESSION", "IMAGE_STRUCTURE"), "DEFLATE");
+  EXPECT_STREQ(tif.data->GetMetadataItem("PREDICTOR", "IMAGE_STRUCTURE"), "3");
+  EXPECT_EQ(band(2)->GetRasterDataType(), GDT_Float32);
+  int has_nodata = 0;
+  EXPECT_TRUE(std::isnan(band(2)->GetNoDataValue(&has_nodata)));
+  EXPECT_TRUE(has_nodata);
   EXPECT_STREQ(band(1)->GetUnitType(), "");
   EXPECT_STREQ(band(2)->GetUnitType(), "m");
   EXPECT_STREQ(band(4)->GetUnitType(), "m2");
@@ -200,14 +183,6 @@ TEST(GeoTiff, lies_on_earth_where_its_origin_is_known_and_comes_back)
   }
 }
 
-TEST(GeoTiff, is_one_file_without_companions)
-{
-  const ScratchDir dir;
-  write_geotiff(dir / "map.tif", small_stack());
-  for (const auto& entry : fs::directory_iterator(dir / ""))
-    EXPECT_EQ(entry.path().filename(), "map.tif");
-}
-
 TEST(GeoTiff, leaves_the_old_file_when_the_new_one_cannot_be_written)
 {
   const ScratchDir dir;
@@ -217,16 +192,8 @@ TEST(GeoTiff, leaves_the_old_file_when_the_new_one_cannot_be_written)
   expect_error([&] { write_geotiff(dir / "map.tif", broken); }, {"map.tif", "state", "3 x 2"});
   expect_error([&] { write_geotiff(dir / "map.tif", LayerStack{}); }, {"map.tif", "no cells"});
   EXPECT_EQ(read_bytes(dir / "map.tif"), "precious");
+  expect_error([&] { read_geotiff(dir / "map.tif"); }, {"map.tif", "GeoTIFF"});
   expect_error([&] { write_geotiff(dir / "none/map.tif", small_stack()); }, {"none/map.tif"});
-}
-
-TEST(GeoTiff, reading_says_what_is_wrong_with_a_file)
-{
-  const ScratchDir dir;
-  expect_error([&] { read_geotiff(dir / "none.tif"); }, {"none.tif", "no such file"});
-  write_bytes(dir / "text.tif", "hello");
-  expect_error([&] { read_geotiff(dir / "text.tif"); }, {"text.tif", "GeoTIFF"});
-  expect_error([&] { read_geotiff(dir / ""); }, {"GeoTIFF"});
 }
 
 TEST(GeoTiff, reading_refuses_bands_that_another_program_has_converted)

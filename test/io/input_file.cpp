@@ -13,26 +13,13 @@
 #include <filesystem>
 
 #include "log_files.h"
+#include "message_of.h"
 
 using talus::test::ScratchDir;
 using talus::test::write_bytes;
 
 namespace
 {
-template <class F>
-std::string error_of(const F& read)
-{
-  try
-  {
-    read();
-  }
-  catch (const std::exception& e)
-  {
-    return e.what();
-  }
-  return "no error";
-}
-
 void make_socket(const std::string& path)
 {
   sockaddr_un address{};
@@ -59,11 +46,11 @@ TEST(InputFile, IsReadWholeUpToItsLimit)
   write_bytes(dir / "a", bytes);
   EXPECT_EQ(talus::read_input_file(dir / "a", "text", 4), bytes);
   EXPECT_EQ(
-      error_of([&] { talus::read_input_file(dir / "a", "text", 3); }),
+      message_of([&] { talus::read_input_file(dir / "a", "text", 3); }),
       dir / "a" + ": has 4 bytes, a text at most 3. Is it another file?");
   make_huge(dir / "huge");
   EXPECT_SAYS(
-      error_of([&] { talus::read_input_file(dir / "huge", "text", 1000); }), "1099511627776");
+      message_of([&] { talus::read_input_file(dir / "huge", "text", 1000); }), "1099511627776");
 }
 
 TEST(InputFile, IsNoPipeDeviceSocketOrDirectoryForAnyReader)
@@ -82,11 +69,11 @@ TEST(InputFile, IsNoPipeDeviceSocketOrDirectoryForAnyReader)
   {
     const std::string& path = file.first;
     for (const auto& error :
-         {error_of([&] { talus::read_input_file(path, "text", 1000); }),
-          error_of([&] { talus::io::Trajectory::load(path); }),
-          error_of([&] { talus::io::read_geotiff(path); }),
-          error_of([&] { talus::sim::load_world(path); }),
-          error_of([&] { talus::sim::read_pgm(path); })})
+         {message_of([&] { talus::read_input_file(path, "text", 1000); }),
+          message_of([&] { talus::io::Trajectory::load(path); }),
+          message_of([&] { talus::io::read_geotiff(path); }),
+          message_of([&] { talus::sim::load_world(path); }),
+          message_of([&] { talus::sim::read_pgm(path); })})
       EXPECT_SAYS(error, path + ": " + file.second);
   }
 }
@@ -95,8 +82,8 @@ TEST(InputFile, IsNotReadWhereItIsLargerThanAnyOfItsKind)
 {
   const ScratchDir dir;
   make_huge(dir / "huge");
-  EXPECT_SAYS(error_of([&] { talus::sim::load_world(dir / "huge"); }), "has 1");
+  EXPECT_SAYS(message_of([&] { talus::sim::load_world(dir / "huge"); }), "has 1");
   EXPECT_SAYS(
-      error_of([&] { talus::io::Trajectory::load(dir / "huge"); }), "huge:1: no end of the line");
-  EXPECT_SAYS(error_of([&] { talus::sim::read_pgm(dir / "huge"); }), "not a grey PGM");
+      message_of([&] { talus::io::Trajectory::load(dir / "huge"); }), "huge:1: no end of the line");
+  EXPECT_SAYS(message_of([&] { talus::sim::read_pgm(dir / "huge"); }), "not a grey PGM");
 }

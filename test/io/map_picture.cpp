@@ -116,14 +116,6 @@ TEST(MapPicture, shows_north_above_south_and_east_right_of_west)
   EXPECT_LT(blocked.x, free.x) << "west is left";
 }
 
-TEST(MapPicture, paints_cells_without_a_value_in_a_neutral_colour)
-{
-  const auto half = [](int ix, int) { return ix < 20 ? kNan : 1.0F; };
-  const cv::Mat picture = draw_map(stack_of({"traversability"}, half));
-  EXPECT_NEAR(patch_of(picture, kUnknown).count, kLarge_px / 2, 1000);
-  EXPECT_NEAR(patch_of(picture, kFree).count, kLarge_px / 2, 1000);
-}
-
 TEST(MapPicture, shows_ground_that_was_not_judged_in_another_colour_than_what_is_unknown)
 {
   LayerStack stack = stack_of({"state", "traversability"}, [](int, int) { return kNan; });
@@ -238,14 +230,6 @@ TEST(MapPicture, points_the_arrow_of_the_robot_along_its_yaw)
   const cv::Mat outside = draw_map(stack, options);
   options.robot_y_m = -100;
   EXPECT_TRUE(same(outside, draw_map(stack, options))) << "a robot outside is not drawn";
-}
-
-TEST(MapPicture, is_the_same_for_the_same_map)
-{
-  const auto waves = [](int ix, int iy)
-  { return 0.1F * static_cast<float>(std::sin(0.3 * ix) + std::cos(0.2 * iy)); };
-  const LayerStack stack = stack_of(all_names(), waves);
-  EXPECT_TRUE(same(draw_map(stack), draw_map(stack)));
 }
 
 TEST(MapPicture, stays_of_a_size_for_a_screen_whatever_the_number_of_cells)

@@ -78,13 +78,13 @@ TEST(Palette, orange_is_ground_that_is_hard_to_drive_and_nothing_else)
   const auto is_orange = [](const Rgb& c)
   { return c[0] > 190 && c[1] > 70 && c[1] < c[0] - 40 && c[2] < c[1] - 30; };
   EXPECT_TRUE(is_orange(p::kHard.rgb));
-  const std::vector<NamedColour> others{p::kBlocked, p::kFree, p::kStands,       p::kNotJudged,
-                                        p::kMayDrop, p::kPath, p::kKnownBlocked, p::kGiven};
   const auto expect_none = [&](const auto& colours)
   {
     for (const NamedColour& c : colours) EXPECT_FALSE(is_orange(c.rgb)) << c.name;
   };
-  expect_none(others);
+  expect_none(std::vector<NamedColour>{
+      p::kBlocked, p::kFree, p::kStands, p::kNotJudged, p::kMayDrop, p::kPath, p::kKnownBlocked,
+      p::kGiven});
   expect_none(p::kStates);
   expect_none(p::kChanges);
   expect_none(p::kLabels);

@@ -1,6 +1,6 @@
-#include "can_run.h"
-
-bool talus::test::can_run()
+namespace talus::test
+{
+bool can_run()
 {
 #if defined(TALUS_GOLDEN_LEVEL)
   return __builtin_cpu_supports(TALUS_GOLDEN_LEVEL) != 0;
@@ -8,3 +8,4 @@ bool talus::test::can_run()
   return true;
 #endif
 }
+}  // namespace talus::test

@@ -169,9 +169,7 @@ class DeviceOnHost : public CpuMemory
   void for_each_window(const kernels::Map& m, int nx, int ny, int radius)
   {
     const F f{m};
-    windows<F>(
-        nx, ny, radius, 0, ny, [&](auto& row, int x, int y, int d) { f.add(row, x, y, d); },
-        [&](auto& sum, const auto& row, int d) { f.add(sum, row, d); }, f);
+    windows(f, nx, ny, radius, 0, ny, f);
   }
   template <class F, class G>
   void for_each_judged_cell_of_rows(
@@ -183,9 +181,8 @@ class DeviceOnHost : public CpuMemory
     std::vector<float> judged(static_cast<std::size_t>(pitch * (to - from + 2)), kernels::kNan);
     std::vector<std::uint8_t> passability(judged.size(), 0);
     const auto at = [&](int x, int y) { return (y - from + 1) * pitch + x + 1; };
-    windows<F>(
-        nx, ny, radius, from, to, [&](auto& row, int x, int y, int d) { f.add(row, x, y, d); },
-        [&](auto& sum, const auto& row, int d) { f.add(sum, row, d); },
+    windows(
+        f, nx, ny, radius, from, to,
         [&](int x, int y, const auto& sum)
         {
           const kernels::Judgement j = f.judge(x, y, sum, y >= first && y < end);
@@ -281,10 +278,8 @@ class DeviceOnHost : public CpuMemory
 
   /** use(x, y, sum) of square neighbourhoods, for the rows [first, end) of ny: along rows, then
    * across them. */
-  template <class F, class Along, class Across, class Use>
-  static void windows(
-      int nx, int ny, int radius, int first, int end, const Along& along, const Across& across,
-      const Use& use)
+  template <class F, class Use>
+  static void windows(const F& f, int nx, int ny, int radius, int first, int end, const Use& use)
   {
     const int low = std::max(first - radius, 0), high = std::min(end + radius, ny);
     std::vector<typename F::Row> rows(
@@ -293,13 +288,13 @@ class DeviceOnHost : public CpuMemory
         typename F::Row& { return rows[static_cast<std::size_t>((y - low) * nx + x)]; };
     for (int y = low; y < high; y++)
       for (int x = 0; x < nx; x++)
-        for (int d = -radius; d <= radius; d++) along(row(x, y), x, y, d);
+        for (int d = -radius; d <= radius; d++) f.add(row(x, y), x, y, d);
     for (int y = end; y-- > first;)
       for (int x = nx; x-- > 0;)
       {
         typename F::Window sum;
         for (int d = -radius; d <= radius; d++)
-          if (y + d >= low && y + d < high) across(sum, row(x, y + d), d);
+          if (y + d >= low && y + d < high) f.add(sum, row(x, y + d), d);
         use(x, y, sum);
       }
   }

@@ -1,14 +1,14 @@
 #pragma once
 #include <talus/elevation_mapper.h>
+#include "message_of.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <exception>
 #include <initializer_list>
 #include <limits>
-#include <string>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -25,28 +25,16 @@ inline Parameters with(std::initializer_list<std::pair<const char*, double>> val
   return p;
 }
 
-/** What the error of a call says; empty: it had none. */
-template <class Call>
-std::string error_of(const Call& call)
-{
-  try
-  {
-    call();
-  }
-  catch (const std::exception& e)
-  {
-    return e.what();
-  }
-  return "";
-}
-inline bool contains(const std::string& text, const std::string& part)
-{
-  return text.find(part) != std::string::npos;
-}
-
 inline bool same_bits(const std::vector<float>& a, const std::vector<float>& b)
 {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+inline void expect_same_bits(const ElevationMapper& a, const ElevationMapper& b, int frame)
+{
+  for (int l = 0; l < kLayerCount; l++)
+    ASSERT_TRUE(same_bits(a.layer(static_cast<Layer>(l)), b.layer(static_cast<Layer>(l))))
+        << kLayerTable[l].name << " differs after frame " << frame;
 }
 
 /** Reproducible numbers on every platform (splitmix64). */
@@ -169,6 +157,34 @@ class Scan
     if (nearest < 30) add(o[0] + nearest * d[0], o[1] + nearest * d[1], o[2] + nearest * d[2]);
   }
 };
+
+/** Waves as wide as the window. */
+inline Scan textured(double x_m, double y_m)
+{
+  const auto waves = [](double u, double v) { return 0.05 * std::sin(3 * u) * std::cos(2 * v); };
+  return Scan(x_m, y_m, 0.7).add_surface(x_m - 4, y_m - 4, x_m + 4, y_m + 4, waves);
+}
+/** What is seen of a low box on flat ground. */
+inline Scan box_ahead()
+{
+  return Scan().cast({{{1.5, -0.5, 0}, {1.8, 0.2, 0.4}}}, 180, -0.6, 0.1, 16);
+}
+
+/** The points of a scan in another order. */
+inline Scan shuffled(const Scan& s, Random& random)
+{
+  std::vector<std::size_t> order(s.x_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (std::size_t i = order.size(); i > 1; i--) std::swap(order[i - 1], order[random.bits() % i]);
+  Scan out = s;
+  for (std::size_t i = 0; i < order.size(); i++)
+  {
+    out.x_[i] = s.x_[order[i]];
+    out.y_[i] = s.y_[order[i]];
+    out.z_[i] = s.z_[order[i]];
+  }
+  return out;
+}
 
 /** A map with the defaults, on the tested backend, and short ways to ask it. */
 class TestMap

@@ -15,11 +15,7 @@ struct MapBytes
   std::vector<std::uint8_t> cells;  //!< the arrays of CellStore, storage order, one after the other
   kernels::Datum datum;
   std::vector<float> features;  //!< the layers of stage 7, window order, one after the other
-};
-
-/** The channels of a map: the arrays of kernels::Channel, one channel after the other. */
-struct ChannelBytes
-{
+  /** The arrays of kernels::Channel, one channel after the other; empty in a saved map. */
   std::vector<kernels::ChannelValue> values;
   std::vector<kernels::ChannelVotes> votes;
 };
@@ -84,11 +80,9 @@ class BackendInterface
   virtual void write_channels(const std::vector<WindowRect>& rects, const ChannelRecord* from) = 0;
   /** One surface of a channel, in window order. */
   virtual void read_channel(std::size_t channel, int surface, float* out) = 0;
-  virtual ChannelBytes read_all_channels() = 0;
-  /** What read_all_channels() of a map of the same window and channels returned. */
-  virtual void write_all_channels(const ChannelBytes& bytes) = 0;
   virtual MapBytes read_all() = 0;
-  /** Fills a backend that has seen no frame. The caller checks the sizes. */
+  /** Fills a backend that has seen no frame; the channels if they are given. The caller checks the
+   * sizes. */
   virtual void write_all(const MapBytes& bytes, const kernels::FrameContext& window) = 0;
 
   virtual std::string name() const = 0;

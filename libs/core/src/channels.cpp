@@ -20,9 +20,17 @@ static_assert(static_cast<int>(ChannelRule::Vote) == kernels::kVote);
 
 constexpr const char *kNone = "none", *kStanding = "_standing";
 
-[[noreturn]] void fail(const std::string& what)
+[[noreturn]] void fail(const std::string& what, const std::string& parameter = "channels")
 {
-  throw std::invalid_argument("channels: " + what);
+  throw std::invalid_argument(parameter + ": " + what);
+}
+[[noreturn]] void fail_cost(const std::string& what) { fail(what, "channel_cost"); }
+
+std::vector<Channel>::const_iterator find_channel(
+    const std::vector<Channel>& channels, const std::string& name)
+{
+  return std::find_if(
+      channels.begin(), channels.end(), [&](const Channel& c) { return c.name == name; });
 }
 
 std::string rule_names()
@@ -42,6 +50,27 @@ Channel channel_from(const std::string& text)
   if (found == kChannelRuleNames.end())
     fail("'" + text + "': no rule is called '" + rule + "'; there are " + rule_names());
   return {text.substr(0, colon), static_cast<ChannelRule>(found - kChannelRuleNames.begin())};
+}
+
+ChannelCost cost_from(const std::string& piece, std::string& channel)
+{
+  const std::string form = "must be NAME:CLASS=SCORE, for example label:3=0,7=0.5";
+  const auto colon = piece.find(':'), equals = piece.find('=');
+  if (equals == std::string::npos) fail_cost("'" + piece + "' " + form);
+  if (colon < equals) channel = piece.substr(0, colon);
+  if (channel.empty()) fail_cost("'" + piece + "' names no channel: " + form);
+  const auto begin = colon < equals ? colon + 1 : 0;
+  const auto class_of = number_from(piece.substr(begin, equals - begin));
+  const auto score = number_from(piece.substr(equals + 1));
+  const bool is_class = class_of && *class_of >= 0 && *class_of < kChannelClasses &&
+                        *class_of == std::floor(*class_of);
+  if (!is_class)
+    fail_cost(
+        "'" + piece + "': a class is a whole number from 0 to " +
+        std::to_string(kChannelClasses - 1));
+  if (!score || !(*score >= 0 && *score <= 1))
+    fail_cost("'" + piece + "': a score is a number from 0 (impassable) to 1 (as the map says)");
+  return {channel, static_cast<int>(*class_of), *score};
 }
 
 bool is_name(const std::string& name)
@@ -91,42 +120,12 @@ void validate_channels(const std::vector<Channel>& channels)
     if (!is_name(c->name))
       fail("'" + c->name + "' is no name: small letters, digits and _, a letter first");
     if (is_taken(c->name)) fail("'" + c->name + "' is the name of a layer: choose another");
-    if (std::any_of(channels.begin(), c, [&](const Channel& b) { return b.name == c->name; }))
-      fail("two of them are called '" + c->name + "'");
+    if (find_channel(channels, c->name) != c) fail("two of them are called '" + c->name + "'");
     const int rule = static_cast<int>(c->rule);
     if (rule < 0 || rule >= static_cast<int>(kChannelRuleNames.size()))
       fail("'" + c->name + "' has no rule");
   }
 }
-
-namespace
-{
-[[noreturn]] void fail_cost(const std::string& what)
-{
-  throw std::invalid_argument("channel_cost: " + what);
-}
-
-ChannelCost cost_from(const std::string& piece, std::string& channel)
-{
-  const std::string form = "must be NAME:CLASS=SCORE, for example label:3=0,7=0.5";
-  const auto colon = piece.find(':'), equals = piece.find('=');
-  if (equals == std::string::npos) fail_cost("'" + piece + "' " + form);
-  if (colon < equals) channel = piece.substr(0, colon);
-  if (channel.empty()) fail_cost("'" + piece + "' names no channel: " + form);
-  const auto begin = colon < equals ? colon + 1 : 0;
-  const auto class_of = number_from(piece.substr(begin, equals - begin));
-  const auto score = number_from(piece.substr(equals + 1));
-  const bool is_class = class_of && *class_of >= 0 && *class_of < kChannelClasses &&
-                        *class_of == std::floor(*class_of);
-  if (!is_class)
-    fail_cost(
-        "'" + piece + "': a class is a whole number from 0 to " +
-        std::to_string(kChannelClasses - 1));
-  if (!score || !(*score >= 0 && *score <= 1))
-    fail_cost("'" + piece + "': a score is a number from 0 (impassable) to 1 (as the map says)");
-  return {channel, static_cast<int>(*class_of), *score};
-}
-}  // namespace
 
 std::vector<ChannelCost> channel_costs_from(const std::string& text)
 {
@@ -154,8 +153,7 @@ void validate_channel_costs(
   for (auto c = costs.begin(); c != costs.end(); ++c)
   {
     const std::string cost = "'" + channel_costs_text({*c}) + "'";
-    const auto named = std::find_if(
-        channels.begin(), channels.end(), [&](const Channel& of) { return of.name == c->channel; });
+    const auto named = find_channel(channels, c->channel);
     if (named == channels.end())
       fail_cost(
           cost + ": the map has no channel '" + c->channel +
@@ -199,8 +197,7 @@ void add_channels(std::vector<Channel>& all, const std::vector<Channel>& more)
 {
   for (const Channel& c : more)
   {
-    const auto same = std::find_if(
-        all.begin(), all.end(), [&](const Channel& other) { return other.name == c.name; });
+    const auto same = find_channel(all, c.name);
     if (same == all.end())
       all.push_back(c);
     else if (same->rule != c.rule)

@@ -19,11 +19,7 @@ namespace
 /** Prints once in a process which backend `auto` took, and why not the other. */
 void say_once(const std::string& text)
 {
-  static const bool said = [&text]
-  {
-    std::clog << "[talus] backend: " << text << "\n";
-    return true;
-  }();
+  static const bool said = !(std::clog << "[talus] backend: " << text << "\n").fail();
   static_cast<void>(said);
 }
 
@@ -94,7 +90,11 @@ struct ElevationMapper::Impl
     channel_read = {};
   }
 
-  /** Takes a saved state into a map that was reset. */
+  SavedMap state() const
+  {
+    return {finished, reference_z_m, finished.started ? backend->read_all() : MapBytes{}};
+  }
+  /** Takes a state into a map that was reset. */
   void take(const SavedMap& saved)
   {
     if (!saved.tracker.started) return;
@@ -341,11 +341,10 @@ void ElevationMapper::set_output_layers(const std::vector<Layer>& layers)
   std::array<bool, kLayerCount> outputs{};
   for (const Layer l : layers) outputs[static_cast<std::size_t>(l)] = true;
   if (outputs == m.outputs) return;
-  const std::vector<std::uint8_t> state = save();
-  const ChannelBytes channels = m.backend->read_all_channels();
+  const SavedMap state = m.state();
   m.outputs = outputs;
-  restore(state);
-  m.backend->write_all_channels(channels);
+  m.reset();
+  m.take(state);
 }
 
 std::vector<Layer> ElevationMapper::output_layers() const
@@ -456,14 +455,7 @@ std::vector<std::uint8_t> ElevationMapper::save() const
 {
   const Impl& m = *impl_;
   m.require_none_in_flight("save");
-  return bytes_of(
-      {m.finished, m.reference_z_m, empty() ? MapBytes{} : m.backend->read_all()}, m.parameters);
-}
-
-bool ElevationMapper::is_size_of_state(std::uint64_t bytes, const Parameters& parameters)
-{
-  parameters.validate();
-  return talus::is_size_of_state(bytes, parameters);
+  return bytes_of(m.state(), m.parameters);
 }
 
 void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)

@@ -171,35 +171,6 @@ class MapBackend final : public BackendInterface
         });
     executor_.synchronize();
   }
-  ChannelBytes read_all_channels() override
-  {
-    use(shown_);
-    ChannelBytes bytes;
-    const auto append = [this](auto& from, auto& to)
-    {
-      to.resize(to.size() + from.size());
-      executor_.transfer(from.data(), from.size(), to.data() + to.size() - from.size());
-    };
-    for (auto& channel : map_.channels)
-    {
-      append(channel.values, bytes.values);
-      append(channel.votes, bytes.votes);
-    }
-    return bytes;
-  }
-  void write_all_channels(const ChannelBytes& bytes) override
-  {
-    use(shown_);
-    const auto* value = bytes.values.data();
-    const auto* votes = bytes.votes.data();
-    for (auto& channel : map_.channels)
-    {
-      executor_.transfer(value, channel.values.size(), channel.values.data());
-      executor_.transfer(votes, channel.votes.size(), channel.votes.data());
-      value += channel.values.size();
-      votes += channel.votes.size();
-    }
-  }
   MapBytes read_all() override
   {
     const auto n = static_cast<std::size_t>(map_.cells());
@@ -218,6 +189,13 @@ class MapBackend final : public BackendInterface
     bytes.features.resize(Map::kJudgedLayers * n);
     for (std::size_t i = 0; i < Map::kJudgedLayers; i++)
       executor_.transfer(map_.memory_of(feature_layer(i)), n, bytes.features.data() + i * n);
+    const auto append = [this](auto& array, auto& all)
+    {
+      all.resize(all.size() + array.size());
+      executor_.transfer(array.data(), array.size(), all.data() + all.size() - array.size());
+    };
+    for (auto& channel : map_.channels)
+      append(channel.values, bytes.values), append(channel.votes, bytes.votes);
     return bytes;
   }
   void write_all(const MapBytes& bytes, const kernels::FrameContext& window) override
@@ -232,6 +210,16 @@ class MapBackend final : public BackendInterface
           from += n * sizeof unknown;
         });
     executor_.transfer(&bytes.datum, 1, map_.datum.data());
+    const auto* value = bytes.values.data();
+    const auto* votes = bytes.votes.data();
+    for (auto& channel : map_.channels)
+    {
+      if (bytes.values.empty()) break;
+      executor_.transfer(value, channel.values.size(), channel.values.data());
+      executor_.transfer(votes, channel.votes.size(), channel.votes.data());
+      value += channel.values.size();
+      votes += channel.votes.size();
+    }
     map_.allocate_features(executor_);
     map_.now->features_known = true;
     for (std::size_t i = 0; i < Map::kJudgedLayers; i++)

@@ -3,6 +3,7 @@
 #include <talus/text.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -40,11 +41,15 @@ std::string number(double v) { return number_text(v); }
 
 constexpr const char* kNoBoxes = "none";
 
+std::array<double, 6> numbers_of(const BodyBox& b)
+{
+  return {b.min_x_m, b.max_x_m, b.min_y_m, b.max_y_m, b.min_z_m, b.max_z_m};
+}
+
 std::string box_text(const BodyBox& b)
 {
   std::string text;
-  for (const double v : {b.min_x_m, b.max_x_m, b.min_y_m, b.max_y_m, b.min_z_m, b.max_z_m})
-    text += (text.empty() ? "" : " ") + exact_number_text(v);
+  for (const double v : numbers_of(b)) text += (text.empty() ? "" : " ") + exact_number_text(v);
   return text;
 }
 
@@ -76,23 +81,16 @@ BodyBox box_from(const std::string& text)
 
 void validate_box(const BodyBox& box)
 {
-  struct
+  for (std::size_t axis = 0; axis < 3; axis++)
   {
-    char axis;
-    double low_m, high_m;
-  } const sides[] = {
-      {'x', box.min_x_m, box.max_x_m},
-      {'y', box.min_y_m, box.max_y_m},
-      {'z', box.min_z_m, box.max_z_m}};
-  for (const auto& [axis, low, high] : sides)
-  {
+    const double low = numbers_of(box)[2 * axis], high = numbers_of(box)[2 * axis + 1];
     if (!(low >= -kHuge && high <= kHuge))  // also false for NaN
       throw std::invalid_argument(
           "body_boxes_m: the box '" + box_text(box) + "' must lie within " + number(-kHuge) +
           " and " + number(kHuge) + " m");
     if (!(low < high))
       throw std::invalid_argument(
-          "body_boxes_m: the box '" + box_text(box) + "' has no extent in " + axis +
+          "body_boxes_m: the box '" + box_text(box) + "' has no extent in " + "xyz"[axis] +
           ": the smaller of the two numbers of each axis goes first");
   }
 }

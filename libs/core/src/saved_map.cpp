@@ -158,8 +158,9 @@ std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p)
   return bytes;
 }
 
-bool is_size_of_state(std::uint64_t bytes, const Parameters& p)
+bool ElevationMapper::is_size_of_state(std::uint64_t bytes, const Parameters& p)
 {
+  p.validate();
   for (std::size_t sensors = 1; sensors <= kMaxSensors; sensors++)
     if (bytes == sizeof(Header) + bytes_behind_header(cell_count(p), sensors)) return true;
   return false;

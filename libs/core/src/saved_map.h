@@ -14,9 +14,6 @@ struct SavedMap
 
 std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p);
 
-/** Whether bytes_of() gives so many bytes for a map with these parameters that has seen a frame. */
-bool is_size_of_state(std::uint64_t bytes, const Parameters& p);
-
 /** Throws std::invalid_argument if the bytes are no state of a map with these parameters. */
 SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters& p);
 
