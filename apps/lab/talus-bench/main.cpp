@@ -2,21 +2,21 @@
 #include "baselines.h"
 #include "floor.h"
 #include "measure.h"
-#include "table.h"
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <chrono>
-#include <iomanip>
 #include <iostream>
 #include <map>
-#include <optional>
-#include <sstream>
 #include <stdexcept>
 
-// One line a setting and backend: the whole frame (host points in, layers back), its quantiles, the
-// time of each stage, and how many times the reference it takes.
+// One line a setting and backend: the whole frame (host points in, layers back), its quantiles by
+// the clock, the median of its processor time (cpu_us), the mean time of each stage (those that run
+// fused count for the first), and how many times the reference it takes: to transform and bin the
+// same points, and to pass once over the window for each layer, timed in the same run (on a device:
+// launch and copy). A core is compared by processor time, a device by the clock. x_S1: for each
+// point and cell, against S1.
 
 using namespace talus;
 using namespace talus::bench;
@@ -28,18 +28,6 @@ std::map<std::string, double>& costs_s()
 {
   static std::map<std::string, double> all;
   return all;
-}
-
-/** The scan as a frame; where it is wanted in place, it is put there first. */
-Frame frame_of(ElevationMapper& map, const Scan& scan, const Setting& s)
-{
-  Frame frame = scan.frame();
-  if (!s.in_place) return frame;
-  const PointArrays to = map.point_arrays(frame.size);
-  frame.x_m = std::copy_n(frame.x_m, frame.size, to.x_m) - frame.size;
-  frame.y_m = std::copy_n(frame.y_m, frame.size, to.y_m) - frame.size;
-  frame.z_m = std::copy_n(frame.z_m, frame.size, to.z_m) - frame.size;
-  return frame;
 }
 
 CellRect columns(const Window& w, int first, int width)
@@ -109,21 +97,14 @@ void count_frames(benchmark::State& state, const Setting& s, const Times& times,
           1e3 * times.stage_ms[i] / frames;
 }
 
-/** Against S1; and of several threads against one, both by the clock. */
-void compare(
-    benchmark::State& state, const Setting& s, const std::string& prefix, double cost_s,
-    double clock_s)
+/** Against S1. */
+void compare(benchmark::State& state, const Setting& s, const std::string& prefix, double cost_s)
 {
-  const std::string line = prefix + "/" + s.name, clock = "/by the clock";
   auto& known = costs_s();
-  known[line] = cost_s;
-  known[line + clock] = clock_s;
+  known[prefix + "/" + s.name] = cost_s;
   const Setting S1 = settings().front();
   if (const auto at = known.find(prefix + "/" + S1.name); at != known.end())
     state.counters["x_S1"] = cost_s / s.points_and_cells() / (at->second / S1.points_and_cells());
-  const std::string one_thread = prefix + "/" + s.name.substr(0, s.name.find('/')) + clock;
-  if (const auto at = known.find(one_thread); s.threads > 1 && at != known.end())
-    state.counters["speedup"] = at->second / clock_s;
 }
 
 void count_reference(benchmark::State& state, double cost_s, double reference_s)
@@ -137,19 +118,18 @@ void bench_frame(
 {
   constexpr int kWarm = 8, kReferences = 5;
   constexpr double kWarm_s = 1;
-  ElevationMapper map(parameters(s), backend, s.threads);
+  ElevationMapper map(parameters(s), backend, 1);
   map.set_output_layers(s.layers);
   CpuFloor floor(s);
   int i = 0;
   // Long enough for the processor's clock to settle, too.
   const double warm_until_s = process_cpu_s() + kWarm_s;
-  for (; i < kWarm || process_cpu_s() < warm_until_s; i++)
-    run_frame(map, frame_of(map, scan_at(s, i), s), s);
+  for (; i < kWarm || process_cpu_s() < warm_until_s; i++) run_frame(map, scan_at(s, i).frame(), s);
   Times times;
   const int every = std::max(1, static_cast<int>(state.max_iterations) / kReferences);
   for (auto _ : state)
   {
-    const Frame frame = frame_of(map, scan_at(s, i++), s);
+    const Frame frame = scan_at(s, i++).frame();
     const double cpu_s = process_cpu_s();
     const auto start = std::chrono::steady_clock::now();
     const FrameReport report = run_frame(map, frame, s);
@@ -159,11 +139,11 @@ void bench_frame(
     if (backend == Backend::Cpu && times.seconds.size() % static_cast<std::size_t>(every) == 0)
       floor.sample();
   }
-  // One thread is compared by processor time: what else the machine does is not its cost.
-  const bool alone = backend == Backend::Cpu && s.threads == 1;
-  const double cost_s = quantile(alone ? times.cpu_seconds : times.seconds, 0.5);
+  // A core is compared by processor time: what else the machine does is not its cost.
+  const bool on_core = backend == Backend::Cpu;
+  const double cost_s = quantile(on_core ? times.cpu_seconds : times.seconds, 0.5);
   count_frames(state, s, times, cost_s);
-  compare(state, s, prefix, cost_s, quantile(times.seconds, 0.5));
+  compare(state, s, prefix, cost_s);
   if (backend == Backend::Cpu)
   {
     count_reference(state, cost_s, floor.frame_s());
@@ -190,24 +170,6 @@ void bench_baseline(benchmark::State& state, const Setting& s, const Baseline& b
   }
 }
 
-/** The first line is what the others are compared with. */
-void bench_whole_drive(benchmark::State& state, const WholeDrive& whole)
-{
-  static std::optional<WholeCost> first;
-  for (auto _ : state)
-  {
-    const WholeCost cost = whole.run();
-    if (!first) first = cost;
-    state.SetIterationTime(cost.frame_s);
-    state.counters["cpu_us"] = 1e6 * cost.frame_s;
-    std::ostringstream label;
-    label << std::setprecision(3) << cost.memory_MB << " MB in memory, " << cost.file_MB
-          << " MB in a file; time x" << cost.frame_s / first->frame_s << ", memory x"
-          << cost.memory_MB / first->memory_MB << ", file x" << cost.file_MB / first->file_MB;
-    state.SetLabel(label.str());
-  }
-}
-
 /** Enough for quantiles, within a second or two. */
 int iterations(const Setting& s, Backend backend)
 {
@@ -217,7 +179,7 @@ int iterations(const Setting& s, Backend backend)
 
 void add(const Setting& s, Backend backend, const std::string& prefix)
 {
-  if (backend == Backend::Cpu ? s.overlapped : s.threads > 1) return;
+  if (backend == Backend::Cpu && s.overlapped) return;
   benchmark::RegisterBenchmark(
       ("frame/" + prefix + "/" + s.name).c_str(),
       [s, backend, prefix](benchmark::State& state) { bench_frame(state, s, backend, prefix); })
@@ -231,16 +193,6 @@ void add(const Setting& s, const Baseline& baseline)
   benchmark::RegisterBenchmark(
       ("baseline/" + baseline.name + "/" + s.name).c_str(),
       [s, baseline](benchmark::State& state) { bench_baseline(state, s, baseline); })
-      ->UseManualTime()
-      ->Iterations(1)
-      ->Unit(benchmark::kMicrosecond);
-}
-
-void add(const WholeDrive& whole)
-{
-  benchmark::RegisterBenchmark(
-      ("whole_drive/" + whole.name).c_str(),
-      [whole](benchmark::State& state) { bench_whole_drive(state, whole); })
       ->UseManualTime()
       ->Iterations(1)
       ->Unit(benchmark::kMicrosecond);
@@ -265,12 +217,11 @@ int main(int argc, char** argv)
 {
   for (const Setting& s : settings()) add(s, Backend::Cpu, "cpu");
   for (const Baseline& b : baselines()) add(settings().front(), b);
-  for (const WholeDrive& w : whole_drives()) add(w);
   if (has_cuda())
     for (const Setting& s : settings()) add(s, Backend::Cuda, "cuda");
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  Table table;
+  benchmark::ConsoleReporter table(benchmark::ConsoleReporter::OO_Tabular);
   benchmark::RunSpecifiedBenchmarks(&table);
   benchmark::Shutdown();
 }

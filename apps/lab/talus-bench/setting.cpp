@@ -31,12 +31,7 @@ std::vector<Setting> settings()
       {"S1", 14400, 160, kTwoLayers},
       {"S1/6_layers", 14400, 160, kSixLayers},
       {"S2", 131072, 1000, kTwoLayers},
-      {"S2/6_layers", 131072, 1000, kSixLayers},
-      {"S1/2_threads", 14400, 160, kTwoLayers, false, 2},
-      {"S2/2_threads", 131072, 1000, kTwoLayers, false, 2},
-      {"S1/in_place", 14400, 160, kTwoLayers, true},
-      {"S2/in_place", 131072, 1000, kTwoLayers, true},
-      {"S2/6_layers/in_place", 131072, 1000, kSixLayers, true}};
+      {"S2/6_layers", 131072, 1000, kSixLayers}};
   for (const auto& [name, layers] :
        {std::pair{"two_in_flight", kTwoLayers}, {"6_layers/two_in_flight", kSixLayers}})
   {

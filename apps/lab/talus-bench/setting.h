@@ -23,8 +23,6 @@ struct Setting
   std::size_t points;
   int cells;  //!< along each side
   std::vector<Layer> layers;  //!< that go back to the host
-  bool in_place = false;  //!< the points are in ElevationMapper::point_arrays() already
-  int threads = 1;  //!< of the CPU backend; other backends leave these settings out
   /** The next frame is started before each is finished; what is measured is from finish to finish.
    * The CPU backend leaves these settings out. */
   bool overlapped = false;
