@@ -239,6 +239,14 @@ class Threads(unittest.TestCase):
         self.assertGreater(during, 3)
 
 
+    def test_that_compute_when_python_ends_do_not_crash(self):
+        code = ("import threading, numpy, talus; m = talus.Map(backend='cpu'); p = numpy.full((100000, 3), 0.5)\n"
+                "def go():\n  while True: m.update(p, numpy.eye(4))\n"
+                "[threading.Thread(target=go, daemon=True).start() for _ in range(3)]; m.risk()")
+        for _ in range(3):
+            subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
 class Bits(unittest.TestCase):
     """Of the world `standing` of test/core/golden_maps.cpp."""
 

@@ -296,7 +296,7 @@ void bind_map(py::module_& m)
               {
                 const Parameters p = parameters_from(parameters);
                 const Backend b = backend_from(backend);
-                const py::gil_scoped_release release;
+                const WithoutGil release;
                 return std::make_unique<Map>(p, b, threads, device);
               }),
           "backend"_a = "auto", "threads"_a = 0, "device"_a = 0)
