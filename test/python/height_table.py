@@ -1,4 +1,5 @@
-"""Judges Map.height_scan() in a scene of closed form and prints a table in Markdown, in half a minute.
+"""Judges Map.height_scan() in a scene of closed form and prints a table in Markdown, in half a minute:
+height_table.py [NOISE [SEED]], the standard deviation of ranges [m], and a seed for other boxes on other waves.
 
 The scene and the judgement are those of the accuracy test of elevation_mapping_cupy_core (sim/, scene `mixed`): waves
 of 8 cm, five stairs and six boxes around a sensor at 0.8 m that turns on the spot in 16 scans; cells of 4 cm up to
@@ -16,9 +17,16 @@ BOXES = [(1.4 + 0.4 * i, 0, 0.2, 1.5, 0.1 * (i + 1)) for i in range(5)] + [
     (-2.900, -1.842, 0.283, 0.146, 0.372), (-2.382, 1.642, 0.230, 0.265, 0.104), (1.665, 3.194, 0.302, 0.315, 0.171),
     (-1.451, -3.490, 0.204, 0.208, 0.440), (2.742, 0.596, 0.337, 0.128, 0.244), (1.449, -0.880, 0.305, 0.381, 0.095)]
 CELL, REACH, SCANS, MOUNT = 0.04, 2.5, 16, 0.8
+AWAY = 0.0, 0.0  # of the waves [m]
+if len(sys.argv) > 2:
+    random = np.random.default_rng(int(sys.argv[2]))
+    AWAY = random.uniform(-50, 50, 2)
+    BOXES = [(r * np.cos(a), r * np.sin(a), *random.uniform((0.1, 0.1, 0.1), (0.4, 0.4, 0.4)))
+             for r, a in random.uniform((1.4, -3.14), (3.0, 3.14), (14, 2))]
 
 
 def waves(x, y):
+    x, y = x + AWAY[0], y + AWAY[1]
     z = 0.55 * np.sin(1.3 * x) * np.cos(0.9 * y) + 0.3 * np.sin(2.7 * x + 0.6) * np.sin(2.1 * y - 0.4)
     return 0.04 * (z + 0.15 * np.cos(4.1 * x - 1.1) * np.cos(3.3 * y + 0.9) + 1)
 

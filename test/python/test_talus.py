@@ -159,6 +159,13 @@ class Errors(unittest.TestCase):
                 (ValueError, "T_map_sensor", lambda: m.update(p, np.eye(3))),
                 (ValueError, "T_base_sensor", lambda: m.update(p, SENSOR, nowhere)),
                 (ValueError, "rotation", lambda: m.update(p, 2 * SENSOR)),
+                (ValueError, "masked", lambda: m.update(np.ma.masked_array(p, p > 1), SENSOR)),
+                (ValueError, "transposed", lambda: m.update(p, SENSOR.T)),
+                (ValueError, "T_map_base: .*rotation", lambda: m.height_scan(np.diag([1, 1, -1, 1]), [0.0], [0.0])),
+                (ValueError, "path: must", lambda: m.update(p, SENSOR, path=[SENSOR])),
+                (ValueError, "wheels", lambda: talus.Footprint(wheels=3)),
+                (ValueError, "too large", lambda: talus.plan(m, LEVEL, (1, 0), talus.Footprint(max_x=1e9))),
+                (ValueError, "too large", lambda: talus.plan(m, LEVEL, (1, 0), talus.Footprint(max_x=np.nan))),
                 (ValueError, "times", lambda: m.update(p, SENSOR, times=[0.0])),
                 (ValueError, "t: ", lambda: m.update(p, SENSOR, t=np.inf)),
                 (ValueError, "channels: 'a'", lambda: m.update(p, SENSOR, channels={"a": p[:, 0]})),
@@ -230,6 +237,14 @@ class Threads(unittest.TestCase):
         done.set()
         counter.join()
         self.assertGreater(during, 3)
+
+
+    def test_that_compute_when_python_ends_do_not_crash(self):
+        code = ("import threading, numpy, talus; m = talus.Map(backend='cpu'); p = numpy.full((100000, 3), 0.5)\n"
+                "def go():\n  while True: m.update(p, numpy.eye(4))\n"
+                "[threading.Thread(target=go, daemon=True).start() for _ in range(3)]; m.risk()")
+        for _ in range(3):
+            subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
 
 
 class Bits(unittest.TestCase):

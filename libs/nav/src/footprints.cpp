@@ -49,6 +49,9 @@ int heading_of(double yaw_rad)
 Footprints::Footprints(const Footprint& robot, double cell_m, const Margins& margins)
 {
   const double corner_m = robot.reach_m();
+  const double farthest_m = std::max(margins.standing_m, margins.edge_m);
+  if (!((corner_m + farthest_m) / cell_m <= PlanningGrid::kBorder_cells - 1))
+    throw std::invalid_argument("the robot is too large for a lattice with such small cells");
   const auto sure_thirds = [&](double margin_m)
   {
     const double cells = (corner_m + margin_m) / cell_m;
@@ -56,10 +59,7 @@ Footprints::Footprints(const Footprint& robot, double cell_m, const Margins& mar
   };
   sure_standing_thirds_ = sure_thirds(margins.standing_m);
   sure_edge_thirds_ = sure_thirds(margins.edge_m);
-  const double farthest_m = std::max(margins.standing_m, margins.edge_m);
   const int reach = static_cast<int>(std::ceil((corner_m + farthest_m) / cell_m));
-  if (reach >= PlanningGrid::kBorder_cells)
-    throw std::invalid_argument("the robot is too large for a lattice with such small cells");
   for (std::size_t h = 0; h < cells_.size(); h++)
   {
     const double yaw_rad = middle_rad(static_cast<int>(h));

@@ -1,6 +1,7 @@
 #include <talus/nav/height_scan.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -15,17 +16,23 @@ namespace
 constexpr float kUnknownHeight = std::numeric_limits<float>::quiet_NaN();
 constexpr double kSearch_m = 1, kGrows_mpm = 0.3;
 /** A neighbour this much higher or lower, beyond what a slope explains, is behind a step. */
-constexpr float kSameSide_m = 0.04F;
-constexpr float kMinForSpread = 5;  // neighbours, with the cell itself
-constexpr float kMin_m2 = 2e-7F;
-constexpr float kStepShare =
-    0.5F;  // of a step in a cell or beside it: it may run through the point
+constexpr double kSameSide_m = 0.04;
+/** The height of a cell is the highest in it, so its lower part may reach under a point: of the
+ * square of a step down in a cell or beside it, half. */
+constexpr float kStepShare = 0.5F;
+/** Weight of what the map says of a cell against what one neighbour says. */
+constexpr float kOwnWeight = 0.1F;
+/** Of the variance of a cell, common to its neighbours: range noise carries points across cells. */
+constexpr float kCommon = 0.015F;
 /** Of the cell's deviation, for a neighbourhood whose middle is a cell away: at a rim of what was
  * seen only points are left that noise carried there, and all err alike. */
-constexpr float kRim = 5;
-/** Relief of presumed ground, which is a plane through the robot's feet. */
-constexpr float kRelief_mpm = 0.014F, kFeet_m2 = 9e-6F;
-constexpr float kRidge = 0.5F;  // cells^2: few neighbours tell no slope
+constexpr float kRim = 3.5F;
+/** Presumed ground is a plane through the robot's feet; the ground that is seen this far behind its
+ * end, in so many directions, says how well it holds. */
+constexpr int kBehindRim_cells = 4, kAround = 8, kStride_cells = 2;
+constexpr float kRelief_mpm = 0.014F;  // where none is seen
+constexpr float kFeet_m2 = 9e-6F, kMedianOfDeviation = 0.6745F;
+constexpr float kRidge = 0.5F;  // cells^2: some of nine neighbours tell no slope
 
 float square(float x) { return x * x; }
 
@@ -41,15 +48,15 @@ class Heights
 {
  public:
   Heights(const MapView& map, const Pose2& base)
-      : view_(map),
-        base_(base),
-        rise_m_(static_cast<float>(
-            std::tan(map.parameters().slope_threshold_rad) * view_.window.resolution_m)),
-        search_(static_cast<int>(kSearch_m / view_.window.resolution_m))
+      : view_(map), base_(base), search_(static_cast<int>(kSearch_m / view_.window.resolution_m))
   {
+    const double rise_m =
+        std::tan(map.parameters().slope_threshold_rad) * view_.window.resolution_m;
+    for (std::size_t i = 0; i < same_side_m_.size(); i++)
+      same_side_m_[i] = static_cast<float>(kSameSide_m + rise_m * std::sqrt(i));
   }
 
-  ScannedHeight at(double x_m, double y_m) const
+  ScannedHeight at(double x_m, double y_m)
   {
     const Window& w = view_.window;
     const double column = (x_m - w.min_x_m()) / w.resolution_m;
@@ -69,57 +76,131 @@ class Heights
   {
     return ix >= 0 && iy >= 0 && ix < view_.window.cells && iy < view_.window.cells;
   }
-  float top(int ix, int iy) const { return static_cast<float>(view_.top(view_.index(ix, iy))); }
-  bool is_known(int ix, int iy) const { return is_inside(ix, iy) && !std::isnan(top(ix, iy)); }
+  float top(std::size_t cell) const
+  {
+    const float low_m = view_.ground[cell], high_m = view_.elevation[cell];
+    return low_m >= high_m || std::isnan(high_m) ? low_m : high_m;
+  }
+  float top(int ix, int iy) const
+  {
+    return is_inside(ix, iy) ? top(view_.index(ix, iy)) : kUnknownHeight;
+  }
+  bool is_known(int ix, int iy) const { return !std::isnan(top(ix, iy)); }
 
-  /** At a place of a known cell, in cells from its middle: least squares over nine cells. */
-  ScannedHeight on_plane(int ix, int iy, float dx, float dy) const
+  /** At a place of a known cell, in cells from its middle: least squares over nine cells, judged by
+   * how well these and eight farther ones lie on that plane. */
+  ScannedHeight on_plane(int ix, int iy, float dx, float dy)
   {
     const std::size_t cell = view_.index(ix, iy);
     const auto origin = origin_of(view_.state[cell]);
-    const float middle_m = top(ix, iy);
+    const bool measured = origin == HeightOrigin::Measured;
+    const float middle_m = top(cell);
     float step_m = std::fmax(middle_m - view_.ground[cell], 0.0F);  // 0 for NaN
+    float seen = 0, seen_x = 0, seen_y = 0;
+    // Height of a cell above the middle; NaN where it is not as sure, or behind a step.
+    const auto look = [&](int u, int v)
+    {
+      if (!is_inside(ix + u, iy + v)) return kUnknownHeight;
+      const std::size_t other = view_.index(ix + u, iy + v);
+      const float off_m = top(other) - middle_m;
+      const bool sure =
+          view_.state[other] == view_.state[cell] || (!measured && !std::isnan(off_m));
+      if (sure) seen += 1, seen_x += static_cast<float>(u), seen_y += static_cast<float>(v);
+      const int far2 = u * u + v * v;
+      if (std::abs(off_m) <= same_side_m_[static_cast<std::size_t>(far2)])
+        return sure ? off_m : kUnknownHeight;
+      if (far2 <= 2 && -off_m > step_m) step_m = -off_m;
+      return kUnknownHeight;
+    };
     float n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
     for (int v = -1; v <= 1; v++)
       for (int u = -1; u <= 1; u++)
       {
-        if (!is_inside(ix + u, iy + v)) continue;
-        const std::size_t other = view_.index(ix + u, iy + v);
-        const float off_m = top(ix + u, iy + v) - middle_m;
-        const auto far = static_cast<float>(u * u + v * v == 2 ? 1.4142135 : u * u + v * v);
-        if (!(std::abs(off_m) <= kSameSide_m + rise_m_ * far))
-        {
-          step_m = std::fmax(step_m, std::abs(off_m));  // not NaN
-          continue;
-        }
-        if (origin == HeightOrigin::Measured && origin_of(view_.state[other]) != origin) continue;
+        const float off_m = look(u, v);
+        if (std::isnan(off_m)) continue;
         const auto a = static_cast<float>(u), b = static_cast<float>(v);
         n += 1, x += a, y += b, z += off_m;
         xx += a * a, xy += a * b, yy += b * b, xz += a * off_m, yz += b * off_m,
             zz += off_m * off_m;
       }
-    xx += kRidge - x * x / n, yy += kRidge - y * y / n, xy -= x * y / n;
-    xz -= x * z / n, yz -= y * z / n, zz -= z * z / n;
+    const float ridge = n < 9 ? kRidge : 0;
+    x /= n, y /= n, z /= n;
+    xx += ridge - n * x * x, yy += ridge - n * y * y, xy -= n * x * y;
+    xz -= n * x * z, yz -= n * y * z, zz -= n * z * z;
     const float det = xx * yy - xy * xy;
     const float along = (xz * yy - yz * xy) / det, across = (yz * xx - xz * xy) / det;
-    const float off_m = z / n + along * (dx - x / n) + across * (dy - y / n);
-    const float spread_m2 = std::max(0.0F, zz - along * xz - across * yz);
-    const float own_m2 = std::max(view_.variance[cell], 0.0F);  // 0 for NaN
-    float fit_m2 = spread_m2 / n;
-    if (origin == HeightOrigin::Presumed)
+    const auto off_at = [&](float u, float v) { return z + along * (u - x) + across * (v - y); };
+    // Variance of the plane there, of cells with variance 1.
+    const auto doubt_at = [&](float u, float v)
     {
-      const double away_m = std::hypot(view_.x_m(ix) - base_.x_m, view_.y_m(iy) - base_.y_m);
-      fit_m2 += square(kRelief_mpm * static_cast<float>(away_m)) + kFeet_m2;
-    }
-    else if (origin == HeightOrigin::Measured && n >= kMinForSpread)
-      fit_m2 = fit_m2 / (n - 3) +  // a plane has three parameters
-               square(kRim * (x * x + y * y) / (n * n)) * own_m2 + kMin_m2;
+      u -= x, v -= y;
+      return 1 / n + (u * u * yy - 2 * u * v * xy + v * v * xx) / det;
+    };
+    const float own_m2 = std::max(view_.variance[cell], 0.0F);  // 0 for NaN
+    float misfit_m2 = std::max(0.0F, zz - along * xz - across * yz) + kOwnWeight * own_m2;
+    float freedom = n - std::min(n, 3.0F) + kOwnWeight;  // a plane has three parameters
+    for (int v = -2; v <= 2; v += 2)
+      for (int u = -2; u <= 2; u += v ? 2 : 4)
+      {
+        const float off_m = look(u, v);
+        if (std::isnan(off_m)) continue;
+        const auto a = static_cast<float>(u), b = static_cast<float>(v);
+        misfit_m2 += square(off_m - off_at(a, b)) / (1 + doubt_at(a, b));
+        freedom += 1;
+      }
+    float sigma_m2 = misfit_m2 / freedom * (doubt_at(dx, dy) + kCommon);
+    if (origin == HeightOrigin::Presumed)
+      sigma_m2 += square(relief_mpm() * away_m(ix, iy)) + kFeet_m2;
+    else if (origin == HeightOrigin::Filled)
+      sigma_m2 += own_m2;
     else
-      fit_m2 += own_m2;
-    // What rises as steeply as what blocks is rather an edge that noise has smeared.
-    const float edge_m = (along * along + across * across) / rise_m_;
-    const float sigma_m2 = fit_m2 + square(kStepShare * step_m) + square(edge_m);
-    return {middle_m + off_m, std::sqrt(sigma_m2), origin};
+      sigma_m2 += square(kRim * (seen_x * seen_x + seen_y * seen_y) / square(seen)) * own_m2;
+    return {middle_m + off_at(dx, dy), std::sqrt(sigma_m2 + kStepShare * square(step_m)), origin};
+  }
+
+  float away_m(int ix, int iy) const
+  {
+    return static_cast<float>(std::hypot(view_.x_m(ix) - base_.x_m, view_.y_m(iy) - base_.y_m));
+  }
+
+  /** Of presumed ground. */
+  float relief_mpm()
+  {
+    if (!std::isnan(relief_mpm_)) return relief_mpm_;
+    std::vector<float> found;
+    for (int i = 0; i < kAround; i++)
+      if (const auto error = error_along(2 * M_PI * i / kAround)) found.push_back(*error);
+    relief_mpm_ = kRelief_mpm;
+    if (!found.empty())
+    {
+      const auto middle = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
+      std::nth_element(found.begin(), middle, found.end());
+      relief_mpm_ = *middle / kMedianOfDeviation;
+    }
+    return relief_mpm_;
+  }
+
+  /** By how much the presumed ground of a direction misses the measured one behind it [m/m]. */
+  std::optional<float> error_along(double angle_rad) const
+  {
+    const Window& w = view_.window;
+    const double c = std::cos(angle_rad) * w.resolution_m, s = std::sin(angle_rad) * w.resolution_m;
+    float start_m = kUnknownHeight, slope_mpm = kUnknownHeight;
+    int behind = 0;
+    for (int i = 0; i < w.cells; i += kStride_cells)
+    {
+      const auto cell = w.index_at(base_.x_m + c * i, base_.y_m + s * i);
+      if (!cell) break;
+      const auto origin = origin_of(view_.state[*cell]);
+      const float z_m = top(*cell);
+      const auto r_m = static_cast<float>(w.resolution_m * i);
+      if (i == 0) start_m = z_m;
+      if (i > 0 && origin == HeightOrigin::Presumed) slope_mpm = (z_m - start_m) / r_m;
+      if (origin == HeightOrigin::Measured && !std::isnan(slope_mpm) &&
+          (behind += kStride_cells) == kBehindRim_cells)
+        return std::abs((z_m - start_m) / r_m - slope_mpm);
+    }
+    return std::nullopt;
   }
 
   /** Ring by ring around an unknown cell. */
@@ -146,8 +227,9 @@ class Heights
 
   SurfaceView view_;
   Pose2 base_;
-  float rise_m_;  //!< of the steepest slope, in a cell
+  std::array<float, 9> same_side_m_;  //!< by the square of the distance in cells
   int search_;  //!< cells
+  float relief_mpm_ = kUnknownHeight;  //!< NaN: not asked for yet
 };
 }  // namespace
 
@@ -160,7 +242,7 @@ std::vector<ScannedHeight> height_scan(
   std::vector<ScannedHeight> out(
       points.size(), {kUnknownHeight, kUnknownHeight, HeightOrigin::Unknown});
   if (map.empty()) return out;
-  const Heights heights(map, base);
+  Heights heights(map, base);
   const double c = std::cos(base.yaw_rad), s = std::sin(base.yaw_rad);
   for (std::size_t i = 0; i < out.size(); i++)
   {

@@ -5,6 +5,7 @@
 #include <talus/elevation_mapper.h>
 #include <talus/map_view.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -115,11 +117,36 @@ struct Map
   }
 };
 
+/** Without Python's lock, as py::gil_scoped_release; but a thread that wants it back after the
+ * interpreter has left sleeps until the process ends. Python would unwind it, out of a destructor,
+ * which ends the program with SIGABRT. */
+class WithoutGil
+{
+ public:
+  WithoutGil() = default;
+  WithoutGil(const WithoutGil&) = delete;
+  WithoutGil& operator=(const WithoutGil&) = delete;
+  ~WithoutGil()
+  {
+    try
+    {
+      PyEval_RestoreThread(state_);
+    }
+    catch (...)
+    {
+      for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+    }
+  }
+
+ private:
+  PyThreadState* state_ = PyEval_SaveThread();
+};
+
 /** work() with the map, without Python's lock. */
 template <class Work>
 auto locked(Map& map, const Work& work)
 {
-  const py::gil_scoped_release release;
+  const WithoutGil release;
   const std::lock_guard lock(map.mutex);
   return work(map.mapper);
 }

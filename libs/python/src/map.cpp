@@ -123,10 +123,14 @@ std::vector<TimedPose> path_from(const py::object& value)
 {
   std::vector<TimedPose> path;
   if (value.is_none()) return path;
-  for (const auto& item : value)
+  try
   {
-    const auto pair = item.cast<py::sequence>();
-    path.push_back({pair[0].cast<double>(), pose_from(pair[1], "path")});
+    for (const auto& [time_s, T] : value.cast<std::vector<std::pair<double, py::object>>>())
+      path.push_back({time_s, pose_from(T, "path")});
+  }
+  catch (const py::cast_error&)
+  {
+    throw py::value_error("path: must be a list of pairs of a time [s] and a pose");
   }
   return path;
 }
@@ -292,7 +296,7 @@ void bind_map(py::module_& m)
               {
                 const Parameters p = parameters_from(parameters);
                 const Backend b = backend_from(backend);
-                const py::gil_scoped_release release;
+                const WithoutGil release;
                 return std::make_unique<Map>(p, b, threads, device);
               }),
           "backend"_a = "auto", "threads"_a = 0, "device"_a = 0)

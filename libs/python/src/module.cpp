@@ -23,6 +23,7 @@ Table::Table(const py::object& value, const char* name, py::ssize_t columns)
   array_ = py::reinterpret_borrow<py::array>(value);
   is_float_ = array_.dtype().equal(py::dtype::of<float>());
   const bool known = is_float_ || array_.dtype().equal(py::dtype::of<double>());
+  if (py::hasattr(value, "mask")) throw wrong("masked: fill it with NaN");
   if (!known || array_.ndim() != 2 || array_.shape(1) < columns) throw wrong(shape_text(array_));
   if (!array_.attr("flags").attr("aligned").cast<bool>()) throw wrong("not aligned");
   first_ = static_cast<const char*>(array_.data());
@@ -48,6 +49,15 @@ Pose pose_from(const py::object& value, const char* name)
     if (!std::isfinite(v)) throw py::value_error(std::string(name) + ": holds NaN or infinity");
     out.m[static_cast<std::size_t>(i)] = v;
   }
+  const auto& m = out.m;
+  const double volume = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+                        m[2] * (m[4] * m[9] - m[5] * m[8]);
+  bool rigid = std::abs(volume - 1) < 0.01;
+  for (py::ssize_t i = 0; array.shape(0) == 4 && i < 4; i++)
+    rigid = rigid && array.at(3, i) == static_cast<double>(i == 3);
+  if (!rigid)
+    throw py::value_error(
+        std::string(name) + ": must be [R t; 0 0 0 1] with a rotation R; is it transposed?");
   return out;
 }
 

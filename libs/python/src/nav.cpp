@@ -198,9 +198,11 @@ nav::Footprint footprint_from(const py::kwargs& kwargs)
       out.*number->second = py::float_(py::reinterpret_borrow<py::object>(v));
     else if (key == "wheels")
     {
+      const Table wheels(
+          py::module_::import("numpy").attr("array")(v, "dtype"_a = "d"), "wheels", 2);
       out.wheels.clear();
-      for (const auto& [x, y] : v.cast<std::vector<std::pair<double, double>>>())
-        out.wheels.push_back({x, y});
+      for (py::ssize_t i = 0; i < wheels.rows(); i++)
+        out.wheels.push_back({wheels.at(i, 0), wheels.at(i, 1)});
     }
     else
       throw py::type_error(
@@ -243,11 +245,10 @@ void bind_nav(py::module_& m)
   map.def(
       "height_scan", &height_scan, "T_map_base"_a, "x"_a, "y"_a,
       "Heights below points of the robot's frame seen from above (x ahead, y left [m], arrays of "
-      "one "
-      "shape):\nz and its standard deviation sigma [m], float32, and their origin, uint8: 0 "
-      "unknown "
-      "(of the nearest\nknown cell, NaN beyond 1 m), 1 measured, 2 filled, 3 presumed. Each of the "
-      "shape of x, after that of\nthe poses for T_map_base of shape (B, 4, 4).");
+      "one shape):\nz in the map frame and its standard deviation sigma [m], float32, and their "
+      "origin, uint8: 0 unknown\n(of the nearest known cell, NaN beyond 1 m), 1 measured, 2 "
+      "filled, 3 presumed. Each of the shape of x,\nafter that of the poses for T_map_base of "
+      "shape (B, 4, 4). T_map_base[2, 3] - z is how far below the base.");
   m.def(
       "plan", &plan, "map"_a, "T_map_base"_a, "goal"_a, "footprint"_a = nav::Footprint(),
       (std::string(

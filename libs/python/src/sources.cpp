@@ -36,7 +36,7 @@ class Frames
       for (int i = 0; i < 12; i++) matrix(i / 4, i % 4) = p.m[static_cast<std::size_t>(i)];
       options_.mountings[label] = mrpt::poses::CPose3D(matrix);
     }
-    const py::gil_scoped_release release;
+    const WithoutGil release;
     inputs_ = import::inputs_of(paths);
     if (inputs_.size() != 1)
       throw std::invalid_argument("frames(): one source at a time; several bags count as one");
@@ -59,7 +59,7 @@ class Frames
     import::ImportedScan scan;
     std::optional<mrpt::poses::CPose3D> T_map_sensor;
     {
-      const py::gil_scoped_release release;
+      const WithoutGil release;
       do
       {
         if (!source_->next(scan)) break;
@@ -152,7 +152,7 @@ class SiteFile
   {
     io::LayerStack stack;
     {
-      const py::gil_scoped_release release;
+      const WithoutGil release;
       stack = file_.read({name});
     }
     if (stack.layers.empty()) throw py::key_error("'" + name + "': no band of this site");

@@ -33,7 +33,8 @@ def frames(*sources, poses="", mounts=None, topics=(), poses_of_sensor=False):
     times.
     """
     paths = [_os.fspath(source) for source in sources]
-    return _reader(_Frames)(paths, _os.fspath(poses), dict(mounts or {}), list(topics), poses_of_sensor)
+    topics = [topics] if isinstance(topics, str) else list(topics)
+    return _reader(_Frames)(paths, _os.fspath(poses or ""), dict(mounts or {}), topics, poses_of_sensor)
 
 
 class SiteWindow:
