@@ -115,6 +115,11 @@ void Remake::map(const Added& added)
     map_->add(*scan, poses);  // what is wrong with a scan was said when it came
   }
   keep_last(corrected_.poses);
+  const Window w = map_->window().window();
+  if (options_.hz == 0 || w.cells == 0) return;
+  const std::vector<std::int8_t> unknown(static_cast<std::size_t>(w.cells) * w.cells, -1);
+  whole_.update(map_->site().tiles, map_->floor(), w, unknown);
+  whole_.take_changed();
 }
 
 void Remake::start(Added added)
