@@ -70,6 +70,7 @@ class Remake
 
  private:
   void begin();
+  void look_at_tiles();
   void add(const io::Trajectory::Entry& pose);
 
   const Options& options_;
