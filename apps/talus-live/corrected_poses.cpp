@@ -190,7 +190,7 @@ CorrectedPoses corrected(const Poses& recorded, const Correction& correction)
   const Odometry odometry(recorded, correction.jumps);
   std::vector<Knot> knots;
   for (const auto& pose : correction.given)
-    if (odometry.knows(pose.time_s)) knots.push_back(odometry.knot(pose, true));
+    if (odometry.knows(pose.time_s)) knots.push_back(odometry.knot(io::as_in_tum(pose), true));
   add_jumps(recorded, odometry, correction.jumps, knots);
 
   CorrectedPoses out;

@@ -15,7 +15,15 @@ bool JumpFinder::odometry_goes_on(const import::StreamPose& pose)
   return goes_on;
 }
 
-std::optional<Jump> JumpFinder::add(const import::StreamPose& pose)
+std::vector<Jump> JumpFinder::add(const std::vector<import::StreamPose>& poses)
+{
+  std::vector<Jump> jumps;
+  for (const auto& pose : poses)
+    if (const auto jump = jump_before(pose)) jumps.push_back(*jump);
+  return jumps;
+}
+
+std::optional<Jump> JumpFinder::jump_before(const import::StreamPose& pose)
 {
   constexpr double kMoment_s = 0.25;  // within which TF may go from one to the other
   const bool goes_on = odometry_goes_on(pose);

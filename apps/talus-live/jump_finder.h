@@ -4,6 +4,7 @@
 #include <talus/import/scan_stream.h>
 
 #include <optional>
+#include <vector>
 
 namespace talus::app
 {
@@ -14,10 +15,11 @@ class JumpFinder
   /** `min_m`: by which that moves the base. */
   explicit JumpFinder(double min_m) : min_m_(min_m) {}
 
-  /** The jump just before this pose. */
-  std::optional<Jump> add(const import::StreamPose& pose);
+  /** The jumps just before these poses, which follow those of the last call. */
+  std::vector<Jump> add(const std::vector<import::StreamPose>& poses);
 
  private:
+  std::optional<Jump> jump_before(const import::StreamPose& pose);
   bool odometry_goes_on(const import::StreamPose& pose);
 
   double min_m_;

@@ -9,6 +9,7 @@
 #include "remaker.h"
 #include "topics.h"
 
+#include <malloc.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -138,12 +139,12 @@ bool Live::next_scan()
 void Live::take_poses(double now)
 {
   const auto poses = stream_.take_new_poses();
-  if (remaker_) return remaker_->add(poses, now);
-  for (const auto& pose : poses)
-    if (jump_finder_.add(pose) && !std::exchange(has_told_of_jump_, true))
-      print_error(
-          "map -> odom has jumped: what was mapped before stays where it is; with --record the map "
-          "is made again");
+  const auto jumps = jump_finder_.add(poses);
+  if (remaker_) return remaker_->add(poses, jumps, now);
+  if (!jumps.empty() && !std::exchange(has_told_of_jump_, true))
+    print_error(
+        "map -> odom has jumped: what was mapped before stays where it is; with --record the map "
+        "is made again");
 }
 
 /** Where better poses become known. */
@@ -166,7 +167,8 @@ void Live::correct(double now)
   if (!map) return;
   map->set_layers(map_->window().output_layers());
   map_ = std::move(map);
-  if (publisher_) publisher_->begin_anew(remaker_->history());
+  ::malloc_trim(0);  // what the old one leaves lies between what stays
+  if (publisher_) publisher_->begin_anew(remaker_->take_whole(), remaker_->history());
   published_frames_ = 0;
   publish();
 }
@@ -201,14 +203,6 @@ void Live::map_scans()
 {
   while (next_scan())
   {
-    try
-    {
-      if (remaker_) remaker_->add(scan_);
-    }
-    catch (const std::runtime_error& e)
-    {
-      drop_record(e.what());
-    }
     std::string wrong;
     try
     {
@@ -220,6 +214,14 @@ void Live::map_scans()
     }
     if (!wrong.empty()) print_error(wrong + "; it is left out");
     publish();
+    try
+    {
+      if (remaker_) remaker_->add(scan_);
+    }
+    catch (const std::runtime_error& e)
+    {
+      drop_record(e.what());
+    }
   }
   publish();
 }

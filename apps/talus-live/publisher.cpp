@@ -106,9 +106,9 @@ void Publisher::publish_whole(DriveMap& map, const live::Header& header)
         static_cast<int>(changed.min_y - area.min_y)));
 }
 
-void Publisher::begin_anew(const std::vector<io::Trajectory::Entry>& poses)
+void Publisher::begin_anew(WholeGrid whole, const std::vector<io::Trajectory::Entry>& poses)
 {
-  whole_ = WholeGrid(kOccupancy.close_islands_m);
+  whole_ = std::move(whole);
   published_ = {};
   poses_.clear();
   for (const auto& pose : poses) note_pose(pose.time_s, pose.T_map_base);

@@ -2,7 +2,6 @@
 #include "drive_map.h"
 #include "whole_grid.h"
 
-#include <talus/formats/write.h>
 #include <talus/live/network.h>
 
 #include <string>
@@ -11,8 +10,6 @@
 
 namespace talus::app
 {
-constexpr formats::Occupancy kOccupancy{0.0, 0.5};  //!< as talus-export has it
-
 /** Tells the robot its map, on topics below /talus. */
 class Publisher
 {
@@ -23,8 +20,8 @@ class Publisher
   /** Of the map after its newest frame, whose poses are in `frame`. */
   void publish(DriveMap& map, const std::string& frame);
 
-  /** From now on the map is another one, made at these poses. */
-  void begin_anew(const std::vector<io::Trajectory::Entry>& poses);
+  /** From now on the map is another one, with this occupancy, made at these poses. */
+  void begin_anew(WholeGrid whole, const std::vector<io::Trajectory::Entry>& poses);
 
   /** The layers that publish() reads with each frame. */
   std::vector<Layer> layers() const;

@@ -113,8 +113,20 @@ void Remake::map(const Added& added)
     const auto scan = reader_->next();
     if (!scan) throw std::runtime_error(log_ + ": has lost scans; is the disk full?");
     map_->add(*scan, poses);  // what is wrong with a scan was said when it came
+    constexpr std::size_t kOften = 500;  // then what has changed is a small area
+    if (scans_ % kOften == 0) look_at_tiles();
   }
   keep_last(corrected_.poses);
+  look_at_tiles();
+}
+
+void Remake::look_at_tiles()
+{
+  const Window w = map_->window().window();
+  if (options_.hz == 0 || w.cells == 0) return;
+  const std::vector<std::int8_t> unknown(static_cast<std::size_t>(w.cells) * w.cells, -1);
+  whole_.update(map_->site().tiles, map_->floor(), w, unknown);
+  whole_.take_changed();
 }
 
 void Remake::start(Added added)

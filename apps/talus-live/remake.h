@@ -3,6 +3,7 @@
 #include "drive_map.h"
 #include "options.h"
 #include "record.h"
+#include "whole_grid.h"
 
 #include <talus/io/rawlog_reader.h>
 
@@ -14,6 +15,7 @@
 #include <future>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace talus::app
 {
@@ -61,11 +63,14 @@ class Remake
   const Poses& history() const { return history_; }
   /** How far poses have moved from where the map had them: "by 1.2 m on average, ...". */
   const std::string& moved_text() const { return moved_text_; }
+  /** The occupancy of the map, as far as tiles tell it: to read all takes long. */
+  WholeGrid take_whole() { return std::move(whole_); }
   /** The map; its poses are in Record::other_tum(). */
   std::unique_ptr<DriveMap> take_map();
 
  private:
   void begin();
+  void look_at_tiles();
   void add(const io::Trajectory::Entry& pose);
 
   const Options& options_;
@@ -78,6 +83,7 @@ class Remake
   std::string moved_text_;
   std::unique_ptr<io::RawlogReader> reader_;
   std::unique_ptr<DriveMap> map_;
+  WholeGrid whole_{kOccupancy.close_islands_m};
   std::ofstream out_;
   std::size_t scans_ = 0;
   std::atomic<bool> is_stopped_ = false;

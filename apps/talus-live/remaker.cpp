@@ -26,7 +26,6 @@ Remaker::Remaker(const Options& options, const Settings& settings, const std::st
       settings_(settings),
       folder_(folder),
       record_(folder + "/record.rawlog"),
-      jump_finder_(settings.parameters.resolution_m),
       resumed_time_(time_of(options.resume))
 {
   if (!options.corrected_trajectory.empty()) file_.emplace(options.corrected_trajectory);
@@ -38,12 +37,14 @@ void Remaker::ask_for(const std::string& source, double from_s)
   if (!due_s_) due_s_ = from_s;
 }
 
-void Remaker::add(const std::vector<import::StreamPose>& poses, double now_s)
+void Remaker::add(
+    const std::vector<import::StreamPose>& poses, const std::vector<Jump>& jumps, double now_s)
 {
   constexpr double kSettle_s = 1;  // a SLAM may jump again, and say what it knows
+  auto jump = jumps.begin();
   for (const auto& pose : poses)
   {
-    if (const auto jump = jump_finder_.add(pose))
+    if (jump != jumps.end() && jump->time_s == pose.time_s)
     {
       known_.jumps.push_back(*jump);
       T_after_ = {};
@@ -52,6 +53,7 @@ void Remaker::add(const std::vector<import::StreamPose>& poses, double now_s)
       const double jump_m = seemed.distanceTo(pose.T_map_base);
       if (known_.given.empty())
         ask_for("map -> odom has jumped by " + fixed_text(jump_m, 2) + " m", now_s + kSettle_s);
+      ++jump;
     }
     const auto used = moved(pose, T_after_);
     record_.add(used, pose);
@@ -181,6 +183,7 @@ std::unique_ptr<DriveMap> Remaker::end(double now_s)
   recent_ = remake_->poses().poses;
   T_after_ = remake_->poses().T_after;
   history_ = remake_->history();
+  whole_ = remake_->take_whole();
   trajectory_.reset();
   took_s_ = now_s - began_s_;
   news_.push_back(

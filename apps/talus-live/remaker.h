@@ -1,7 +1,8 @@
 #pragma once
-#include "jump_finder.h"
 #include "remake.h"
 #include "watched_trajectory.h"
+
+#include <talus/import/scan_stream.h>
 
 #include <filesystem>
 #include <memory>
@@ -19,8 +20,9 @@ class Remaker
   /** `folder`: of all that is written. Throws std::runtime_error naming the file, as all do. */
   Remaker(const Options& options, const Settings& settings, const std::string& folder);
 
-  /** Before the scans that they belong to. */
-  void add(const std::vector<import::StreamPose>& poses, double now_s);
+  /** Before the scans that they belong to. `jumps`: just before these poses. */
+  void add(
+      const std::vector<import::StreamPose>& poses, const std::vector<Jump>& jumps, double now_s);
   void add(const import::ImportedScan& scan) { record_.add(scan); }
   /** Of the scans that come now. */
   const io::Trajectory& poses();
@@ -38,6 +40,8 @@ class Remaker
     if (due_s_) due_s_ = 0;
     took_s_ = 0;
   }
+  /** The occupancy of the map that work() gave. */
+  WholeGrid take_whole() { return std::move(whole_); }
   /** Of all poses of the map, see add_to_history(). */
   const Poses& history() const { return history_; }
   /** What a person should know since the last call, and what went wrong. */
@@ -59,7 +63,6 @@ class Remaker
   const Settings& settings_;
   std::string folder_;
   Record record_;
-  JumpFinder jump_finder_;
   std::filesystem::file_time_type resumed_time_;  //!< when that was written
   std::optional<WatchedTrajectory> file_;
   Correction known_;
@@ -70,6 +73,7 @@ class Remaker
   Poses recent_, history_;
   std::optional<io::Trajectory> trajectory_;  //!< of recent_
   std::unique_ptr<Remake> remake_;
+  WholeGrid whole_;
   Remake::Added added_;  //!< for it
   std::vector<std::string> news_, errors_;
 };

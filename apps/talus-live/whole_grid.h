@@ -1,4 +1,5 @@
 #pragma once
+#include <talus/formats/write.h>
 #include <talus/live/messages.h>
 #include <talus/site/tile_store.h>
 #include <talus/cell_record.h>
@@ -11,6 +12,8 @@
 
 namespace talus::app
 {
+constexpr formats::Occupancy kOccupancy{0.0, 0.5};  //!< as talus-export has it
+
 /** The occupancy of one floor of a site, and of the window on it, in whole tiles. */
 class WholeGrid
 {

@@ -1,3 +1,4 @@
+#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/maps/CSimplePointsMap.h>
@@ -5,9 +6,12 @@
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
+#include <talus/io/packed_log.h>
 #include <talus/io/rawlog_reader.h>
 #include <talus/io/trajectory.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 
 #include "log_files.h"
@@ -87,6 +91,33 @@ TEST(PackedLogs, are_read_plain_and_packed_in_one_piece_or_in_several)
     write_bytes(dir / "a.rawlog", file);
     EXPECT_TRUE(read_again(dir / "a.rawlog") == log) << file.size();
   }
+}
+
+TEST(PackedLogs, are_written_as_gz_for_other_programs_whatever_packs_well)
+{
+  const ScratchDir dir;
+  auto noise = cloud(1, 40000);
+  std::uint32_t state = 1;
+  for (std::size_t i = 0; i < 40000; ++i)
+  {
+    state = 1664525 * state + 1013904223;
+    noise->pointcloud->setPoint(i, static_cast<float>(state), static_cast<float>(~state), 0);
+  }
+  const Objects all{noise, cloud(2, 40000), cloud(3, 4), noise};
+  talus::io::PackedLog log(dir / "a.rawlog");
+  for (const auto& object : all)
+  {
+    log.write(*object);
+    if (object == all[1]) log.flush();
+  }
+  log.close();
+  const auto bytes = bytes_of(all);
+  EXPECT_LT(std::filesystem::file_size(dir / "a.rawlog"), 0.9 * static_cast<double>(bytes.size()));
+  mrpt::io::CFileGZInputStream file(dir / "a.rawlog");
+  std::string read(bytes.size() + 1, '\0');
+  read.resize(file.Read(read.data(), read.size()));
+  EXPECT_TRUE(read == bytes);
+  EXPECT_TRUE(read_again(dir / "a.rawlog") == bytes);
 }
 
 TEST(PackedLogs, tell_how_far_the_reader_is)

@@ -238,3 +238,30 @@ TEST(ScanStream, counts_what_is_damaged_and_goes_on)
   while (robot.next(2)) has_come |= robot.scan.sensor_label == "/points";
   EXPECT_TRUE(has_come);
 }
+
+TEST(ScanStream, takes_names_with_a_leading_slash_and_the_time_of_a_simulation)
+{
+  Heard robot;
+  const auto at = [](double time_s) { return time_s - kStart_s + 20; };  // since its start
+  robot.stream.add("/tf_static", kTfType, tf(at(0), "/base_link", "/lidar", 0, 0.5), kStart_s);
+  for (const double time_s : {0.0, 0.5, 1.0, 1.5})
+  {
+    robot.say_tf(at(time_s), "/map", "/base_link", time_s);
+    robot.stream.add("/points", kCloudType, floor_cloud(at(time_s)), kStart_s + time_s);
+    ASSERT_TRUE(robot.next(time_s)) << time_s << robot.news() << robot.stream.why_nothing();
+    EXPECT_NEAR(robot.scan.time_s, 20 + time_s, 1e-6);
+  }
+}
+
+TEST(ScanStream, leaves_out_a_cloud_without_points)
+{
+  Heard robot;
+  robot.say_mounting();
+  robot.stream.add(
+      "/points", kCloudType, talus::live::cloud_message({kStart_s, "lidar"}, {}), kStart_s);
+  robot.say_tf(0, "map", "base_link", 0);
+  robot.say_tf(0.1, "map", "base_link", 0);
+  EXPECT_FALSE(robot.next(0.1));
+  robot.say_cloud(0.1, 0.1);
+  EXPECT_TRUE(robot.next(0.1));
+}

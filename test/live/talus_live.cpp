@@ -1,4 +1,5 @@
 // The command on loopback, and talus-replay as the robot.
+#include <talus/io/trajectory.h>
 #include <talus/live/network.h>
 
 #include <chrono>
@@ -200,6 +201,38 @@ TEST(TalusLive, saves_while_it_maps_and_goes_on_with_a_map_and_with_corrected_po
   const std::string again = "--backend cpu --resume old/site.tif --output map live/record.rawlog";
   expect_end(run_in(dir / "", command("talus-map") + again), 0, {});
   EXPECT_TRUE(read_bytes(dir / "live/site.tif") == read_bytes(dir / "map/site.tif"));
+}
+
+TEST(TalusLive, makes_the_map_again_when_map_to_odom_jumps_and_when_a_path_is_corrected)
+{
+  own_domain();
+  const ScratchDir dir;
+  write_log(dir / "drive.rawlog", floor_scans(40), Packing::Gz);
+  write_bytes(dir / "drive.tum", straight_tum(40));
+  std::string odometry;  // which is 0.1 m short after each metre
+  for (int i = 0; i < 40; ++i)
+    odometry +=
+        talus::io::tum_line({kStart_s + 0.1 * i, mrpt::poses::CPose3D(0.09 * i, 0, 0, 0, 0, 0)});
+  write_bytes(dir / "odometry.tum", odometry);
+  for (const std::string path : {"", "--corrected-path /slam/path "})
+  {
+    ASSERT_EQ(
+        map_live(
+            dir, "--record --output live " + path,
+            "drive.rawlog --trajectory odometry.tum --slam drive.tum --slam-every 2", SIGTERM,
+            [&] { wait_for_words(dir / "live.txt", "their poses have moved by"); }),
+        0);
+    const std::string said = read_bytes(dir / "live.txt");
+    EXPECT_NE(
+        said.find(path.empty() ? "map -> odom has jumped by 0.2" : "poses of /slam/path"),
+        std::string::npos)
+        << said;
+    EXPECT_EQ(said.find("left out"), std::string::npos) << said;
+    expect_end(
+        run_in(dir / "", command("talus-map --backend cpu --output map live/record.rawlog")), 0,
+        {});
+    EXPECT_TRUE(read_bytes(dir / "live/site.tif") == read_bytes(dir / "map/site.tif")) << path;
+  }
 }
 
 TEST(TalusLive, hears_the_dds_of_another_vendor)

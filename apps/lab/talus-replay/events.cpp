@@ -15,6 +15,7 @@
 #include <deque>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 namespace talus::app
 {
@@ -44,7 +45,9 @@ class BagEvents : public Events
   import::BagReader reader_;
 };
 
+constexpr const char* kTf = "tf2_msgs/msg/TFMessage";
 constexpr const char* kMap = "map";
+constexpr const char* kOdom = "odom";
 constexpr const char* kBase = "base_link";
 
 /** A name that ROS allows for a topic, and without its slash for a frame. */
@@ -70,13 +73,22 @@ class RawlogEvents : public Events
 {
  public:
   RawlogEvents(const std::string& path, const RawlogTopics& options)
-      : reader_(path), poses_(poses_of(path, options.trajectory)), as_odometry_(options.as_odometry)
+      : reader_(path),
+        poses_(poses_of(path, options.trajectory)),
+        as_odometry_(options.as_odometry),
+        slam_every_s_(options.slam_every_s)
   {
+    if (!options.slam.empty()) slam_ = io::Trajectory::load(options.slam);
     points_.channel_names = {"intensity"};
   }
 
   bool next(Event& event) override
   {
+    if (path_.time_s > 0)
+    {
+      event = std::exchange(path_, {});
+      return true;
+    }
     if (due_.empty()) read_scan();
     if (due_.empty()) return next_pose(event);
     const auto& entries = poses_.entries();
@@ -92,23 +104,52 @@ class RawlogEvents : public Events
   {
     if (pose_ == poses_.entries().size()) return false;
     const auto& entry = poses_.entries()[pose_++];
-    const live::Link link{{entry.time_s, kMap}, kBase, entry.T_map_base};
+    live::Link link{{entry.time_s, kMap}, kBase, entry.T_map_base};
+    if (!slam_.empty())
+    {
+      correct(entry);
+      const live::Link odom{link.header, kOdom, T_map_odom_};
+      link.header.frame = kOdom;
+      event = {entry.time_s, "/tf", kTf, false, live::tf_message({odom, link})};
+      return true;
+    }
     event =
         as_odometry_
             ? Event{entry.time_s, "/odom", "nav_msgs/msg/Odometry", false, live::odometry_message(link)}
-            : Event{entry.time_s, "/tf", "tf2_msgs/msg/TFMessage", false, live::tf_message({link})};
+            : Event{entry.time_s, "/tf", kTf, false, live::tf_message({link})};
     return true;
   }
+  void correct(const io::Trajectory::Entry& odometry);
   void read_scan();
 
   io::RawlogReader reader_;
-  io::Trajectory poses_;
+  io::Trajectory poses_, slam_;
   bool as_odometry_;
+  double slam_every_s_, corrected_s_ = 0;  //!< when it was last
+  mrpt::poses::CPose3D T_map_odom_;
+  Event path_;  //!< to be sent next, where it has a time
   std::size_t pose_ = 0;
   SensorPoints points_;
   std::map<std::string, live::Link> mountings_;  //!< by frame
   std::deque<Event> due_;  //!< a scan, and its mounting where it is new
 };
+
+/** As a SLAM does that closes a loop. */
+void RawlogEvents::correct(const io::Trajectory::Entry& odometry)
+{
+  if (corrected_s_ == 0) corrected_s_ = odometry.time_s;
+  if (odometry.time_s < corrected_s_ + slam_every_s_) return;
+  const auto T_map_base = slam_.at(odometry.time_s, HUGE_VAL);
+  if (!T_map_base) return;
+  corrected_s_ = odometry.time_s;
+  T_map_odom_ = *T_map_base + (-odometry.T_map_base);
+  std::vector<std::pair<double, mrpt::poses::CPose3D>> poses;
+  for (const auto& pose : slam_.entries())
+    if (pose.time_s <= corrected_s_) poses.emplace_back(pose.time_s, pose.T_map_base);
+  path_ = {
+      corrected_s_, "/slam/path", "nav_msgs/msg/Path", true,
+      live::path_message({corrected_s_, kMap}, poses)};
+}
 
 void RawlogEvents::read_scan()
 {
@@ -126,7 +167,7 @@ void RawlogEvents::read_scan()
       mounting = {{points_.stamp_s, kBase}, frame, points_.T_base_sensor};
       std::vector<live::Link> all;
       for (const auto& [name, link] : mountings_) all.push_back(link);
-      due_.push_back({time_s, "/tf_static", "tf2_msgs/msg/TFMessage", true, live::tf_message(all)});
+      due_.push_back({time_s, "/tf_static", kTf, true, live::tf_message(all)});
     }
     live::CloudPoints cloud;
     cloud.x_m = points_.x_m;

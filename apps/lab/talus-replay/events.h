@@ -32,6 +32,8 @@ struct RawlogTopics
 {
   std::string trajectory;  //!< empty: beside the log, or within it
   bool as_odometry = false;  //!< poses as nav_msgs/Odometry, not as TF
+  std::string slam;  //!< a trajectory, by which a SLAM corrects these poses; empty: none does
+  double slam_every_s = 60;  //!< how often
 };
 
 /** The scans of a rawlog as clouds on topics with the labels of their sensors, its poses as frame

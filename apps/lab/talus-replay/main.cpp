@@ -39,6 +39,7 @@ constexpr const char* kFooter =
     "\nExamples:\n"
     "  talus-replay --odometry drive.rawlog\n"
     "  talus-replay bag/ --rate 2 --domain 7\n"
+    "  talus-replay drive.rawlog --trajectory odometry.tum --slam drive.tum --slam-every 60\n"
     "\nExit codes: 0 done, 1 the source or the network failed, 2 wrong usage.";
 
 void add_options(CLI::App& cli, Options& o)
@@ -49,7 +50,21 @@ void add_options(CLI::App& cli, Options& o)
   cli.add_option(
          "--trajectory", o.rawlog.trajectory, "Poses of a rawlog (else LOG.tum, or its own)")
       ->type_name("FILE");
-  cli.add_flag("--odometry", o.rawlog.as_odometry, "Poses of a rawlog on /odom, not on /tf");
+  auto* odometry =
+      cli.add_flag("--odometry", o.rawlog.as_odometry, "Poses of a rawlog on /odom, not on /tf");
+  auto* slam =
+      cli.add_option(
+             "--slam", o.rawlog.slam,
+             "Poses of a rawlog are odometry, which a SLAM corrects by this trajectory: "
+             "map -> odom jumps, and /slam/path (nav_msgs/Path) tells all poses until then")
+          ->excludes(odometry)
+          ->check(app::not_empty())
+          ->type_name("FILE");
+  cli.add_option("--slam-every", o.rawlog.slam_every_s, "How often it does [s]")
+      ->needs(slam)
+      ->check(app::between(0.01, 1e6))
+      ->capture_default_str()
+      ->type_name("S");
   cli.add_option(
          "--rate", o.rate, "Times faster than it was recorded; 0: as fast as it can be read")
       ->check(app::between(0.0, 1e6))

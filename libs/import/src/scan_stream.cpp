@@ -97,7 +97,7 @@ StreamPath path_from(std::string_view message)
       {
         if (!pose.T_parent_child || pose.parent.stamp_ns <= 0) return;
         const CPose3D T_map_base{mrpt::poses::CPose3DQuat(*pose.T_parent_child)};
-        path.poses.push_back(io::as_in_tum({seconds(pose.parent.stamp_ns), T_map_base}));
+        path.poses.push_back({seconds(pose.parent.stamp_ns), T_map_base});
       });
   return path;
 }
@@ -402,6 +402,7 @@ void ScanStream::Impl::await(
   }
   if (sensor.last_ns > 0) counts.missing += sensor.missing(seconds(stamp_ns - sensor.last_ns));
   sensor.last_ns = stamp_ns;
+  if (scan.x_m.empty()) throw CdrError("has no points");
   waiting.push_back(std::move(cloud));
   if (waiting.size() <= kMaxWaiting) return;
   waiting.pop_front();

@@ -1,10 +1,6 @@
 #include "packed_file.h"
 
 #include <talus/io/atomic_file.h>
-#include <mrpt/serialization/CArchive.h>
-#include <mrpt/serialization/CSerializable.h>
-#include <talus/io/mrpt_error.h>
-#include <talus/io/packed_log.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -162,46 +158,6 @@ void require_complete_packed(const std::string& path, const std::string& name)
   }
   throw std::runtime_error(
       shown + ": could not be written, " + reason + "; is the disk full? Free some space there");
-}
-
-PackedLog::PackedLog(std::string path, const std::string& name)
-    : path_(std::move(path)), name_(name.empty() ? path_ : name)
-{
-  open(mrpt::io::OpenMode::TRUNCATE);
-}
-
-void PackedLog::open(mrpt::io::OpenMode mode)
-{
-  if (!file_.open(path_, 1, std::nullopt, mode))
-    throw std::runtime_error(
-        name_ + ": cannot be written; is the disk full? Free some space there");
-}
-
-void PackedLog::flush()
-{
-  file_.close();
-  open(mrpt::io::OpenMode::APPEND);
-}
-
-void PackedLog::write(const mrpt::serialization::CSerializable& object)
-{
-  try
-  {
-    auto archive = mrpt::serialization::archiveFrom(file_);
-    archive << object;
-  }
-  catch (const std::exception& e)
-  {
-    throw std::runtime_error(
-        name_ + ": could not be written (" + reason_of(e) +
-        "); is the disk full? Free some space there");
-  }
-}
-
-void PackedLog::close()
-{
-  file_.close();
-  require_complete_packed(path_, name_);
 }
 
 }  // namespace talus::io

@@ -182,12 +182,14 @@ struct Participant::Impl
                 static_cast<dds_domainid_t>(domain_id), user_data().get(), nullptr),
             "cannot join the network of ROS 2")),
         waitset(checked(dds_create_waitset(participant), "waitset")),
+        never(checked(dds_create_guardcondition(participant), "guard")),
         builtin(checked(
             dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
             "cannot see who publishes")),
         gid(gid_of(participant)),
         name(node)
   {
+    dds_waitset_attach(waitset, never, 0);  // who waits for nothing at all does not wait
   }
   static Qos user_data()
   {
@@ -199,7 +201,7 @@ struct Participant::Impl
   void note_offers();
   std::string nodes_message() const;
 
-  Entity domain, participant, waitset, builtin;
+  Entity domain, participant, waitset, never, builtin;
   std::map<Gid, Offer> offers;  //!< of others, by their writer
   Gid gid;
   std::string name;

@@ -33,8 +33,7 @@ struct StreamPose : io::Trajectory::Entry
 struct StreamPath
 {
   std::string frame;  //!< of its poses
-  std::vector<io::Trajectory::Entry>
-      poses;  //!< those with a time, as they are read from a TUM file
+  std::vector<io::Trajectory::Entry> poses;  //!< those with a time
 };
 /** Throws std::runtime_error that says how it is damaged. */
 StreamPath path_from(std::string_view message);

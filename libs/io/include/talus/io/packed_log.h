@@ -1,6 +1,5 @@
 #pragma once
-#include <mrpt/io/CFileGZOutputStream.h>
-
+#include <memory>
 #include <string>
 
 namespace mrpt::serialization
@@ -20,6 +19,9 @@ class PackedLog
  public:
   /** Makes the file, or empties it. `name`: what errors call it; empty: its path. */
   explicit PackedLog(std::string path, const std::string& name = "");
+  ~PackedLog();
+  PackedLog(const PackedLog&) = delete;
+  PackedLog& operator=(const PackedLog&) = delete;
 
   /** Adds an observation, an action or a map, after those before. */
   void write(const mrpt::serialization::CSerializable& object);
@@ -29,10 +31,11 @@ class PackedLog
   void close();
 
  private:
-  void open(mrpt::io::OpenMode mode);
+  struct Impl;
+  [[noreturn]] void fail(const std::string& what) const;
 
   std::string path_, name_;
-  mrpt::io::CFileGZOutputStream file_;
+  std::unique_ptr<Impl> file_;  //!< null: it is ended
 };
 
 }  // namespace talus::io
