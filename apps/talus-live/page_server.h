@@ -25,7 +25,7 @@ class PageServer
   /** What `kind` is from now on: its newest event. */
   void show_now(const std::string& data);
   /** What belongs to the map, by a name of its own; `kind` of the event. */
-  void keep(const std::string& name, const char* kind, const std::string& data);
+  void keep(const std::string& name, const std::string& kind, const std::string& data);
   /** Another map begins: what was kept is forgotten. */
   void forget();
 
