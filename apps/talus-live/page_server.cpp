@@ -24,6 +24,7 @@ int PageServer::listeners() const { return 0; }
 
 #else
 
+#include <arpa/inet.h>
 #include <httplib.h>
 #include <poll.h>
 
@@ -209,7 +210,9 @@ std::string host_of(const httplib::Request& request)
 
 bool is_this_machine(const std::string& name)
 {
-  return name == "localhost" || name == "[::1]" || name.compare(0, 4, "127.") == 0;
+  in_addr address;  // and no other one's name: 127.example.org is none
+  return name == "localhost" || name == "[::1]" ||
+         (::inet_pton(AF_INET, name.c_str(), &address) == 1 && ntohl(address.s_addr) >> 24 == 127);
 }
 }  // namespace
 

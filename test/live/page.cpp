@@ -147,7 +147,8 @@ TEST_F(Page, refuses_what_strangers_send)
   for (const char* path : {"/../../etc/passwd", "/%2e%2e/etc/passwd", "/events/", "/page.js"})
     EXPECT_SAYS(get(path), "404 Not Found");
   EXPECT_SAYS(ask(std::string("POST /") + kHost + "Content-Length: 99999999\r\n\r\n"), " 405 ");
-  EXPECT_SAYS(ask("GET / HTTP/1.1\r\nHost: example.org\r\n\r\n"), " 403 ");
+  for (const char* host : {"example.org", "127.example.org", "127.0.0.1.example.org:8070"})
+    EXPECT_SAYS(ask(std::string("GET / HTTP/1.1\r\nHost: ") + host + "\r\n\r\n"), " 403 ");
   std::string headers;
   while (headers.size() < std::size_t{1} << 20) headers += "A: b\r\n";
   const std::string kAll[] = {
