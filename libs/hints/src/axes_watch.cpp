@@ -20,7 +20,7 @@ constexpr double kKeptStep_m = 0.8, kKeptTurn_rad = 0.3;  // between frames that
 constexpr std::size_t kMaxFrames = 24, kMaxStraight = 12;  // the others are for turns
 constexpr std::size_t kMaxStanding = 6;
 constexpr std::size_t kStandingStep = 8;  // frames, of a robot that hardly moves
-constexpr double kGap_s = 0.5;  // of a speed
+constexpr double kSpeedGap_s = 0.5;  // of a speed
 constexpr std::size_t kMaxSpeeds = 1000, kMinSpeeds = 5;
 constexpr double kSameWalls_m = 4;  // frames that see the same walls
 constexpr double kAcross = 0.7;  // cosine between the normal of a wall and the path
@@ -33,7 +33,7 @@ bool AxesWatch::wants(double stamp_s, const Pose& T_map_base)
   const double heading = std::atan2(T_map_base.m[4], T_map_base.m[0]);
   if (frames_ == 0) step_begin_ = last_ = T_map_base, step_begin_s_ = last_s_ = stamp_s;
   const double passed_s = stamp_s - last_s_;
-  const double rate_hz = passed_s > 0 && passed_s < kGap_s ? 1 / passed_s : 0;
+  const double rate_hz = passed_s > 0 && passed_s < kSpeedGap_s ? 1 / passed_s : 0;
   const double x_mps = rate_hz * (T_map_base.x() - last_.x()),
                y_mps = rate_hz * (T_map_base.y() - last_.y());
   const double turn_rps =
@@ -129,6 +129,7 @@ AxesWatch::Change AxesWatch::best_change() const
   std::vector<Change> all{
       {"y of the poses is mirrored", true},
       {"y and yaw of the poses are mirrored (or y of the points)", true, true},
+      {"x of the poses is mirrored", true, false, false, M_PI},
       {"the yaw of the poses is mirrored", false, true},
       {"x and y of the poses are swapped", false, false, true},
       {"the yaw of the poses is that of a compass, clockwise from y", false, true, false,
@@ -191,7 +192,7 @@ std::optional<AxesWatch::Fit> AxesWatch::better_axes() const
   std::string text = best.text;
   if (is_lever(best))
     text += fixed_text(best.ahead_m, 1) + " m ahead and " + fixed_text(best.left_m, 1) + " m left";
-  if (best.turn_rad != 0 && !best.mirrors_yaw)
+  if (best.turn_rad != 0 && !best.mirrors_yaw && !best.mirrors_y)
     text += fixed_text(std::remainder(best.turn_rad, 2 * M_PI) * 180 / M_PI, 0) + " degrees";
   if (best.scale != 1) text += fixed_text(best.scale, 2);
   return Fit{given_m, best_m, text};
@@ -220,9 +221,9 @@ std::optional<AxesWatch::Fit> AxesWatch::better_scale() const
 /** By all motions of up to 2 m and 34 degrees. */
 std::optional<AxesWatch::Fit> AxesWatch::better_motions() const
 {
-  constexpr std::size_t kMinWalls = 12, kMaxWalls = 30, kFewest = 4;
-  constexpr int kPlaces = 8, kTurns = 10;  // to each side
-  constexpr double kStep_m = 0.25, kStep_rad = 0.06, kFits = 0.6;
+  constexpr std::size_t kMinWalls = 12, kMaxWalls = 30, kFewestPairs = 4;
+  constexpr int kMostSteps = 8, kMostTurns = 10;  // to each side
+  constexpr double kGrid_m = 0.25, kGrid_rad = 0.06, kMotionFits = 0.6;
   struct Motion
   {
     double ahead_m, left_m, turn_rad;
@@ -258,7 +259,7 @@ std::optional<AxesWatch::Fit> AxesWatch::better_motions() const
     const double m = apart(i, {c * x + s * y, c * y - s * x, b.heading_rad - a.heading_rad});
     if (!std::isnan(m) && a.facets.size() >= kMinWalls) given_m.add(m);
   }
-  if (given_m.size() < kFewest || !(given_m.median() > kMinMovedWalls_m)) return {};
+  if (given_m.size() < kFewestPairs || !(given_m.median() > kMinMovedWalls_m)) return {};
   for (std::size_t i = 1; i < kept_.size(); ++i)
   {
     double least_m = HUGE_VAL;
@@ -267,23 +268,23 @@ std::optional<AxesWatch::Fit> AxesWatch::better_motions() const
     {
       if (const double m = apart(i, by); m < least_m) least_m = m, best = by;
     };
-    for (int x = -kPlaces; x <= kPlaces; ++x)
-      for (int y = -kPlaces; y <= kPlaces; ++y)
-        for (int turn = -kTurns; turn <= kTurns; ++turn)
-          look({kStep_m * x, kStep_m * y, kStep_rad * turn});
+    for (int x = -kMostSteps; x <= kMostSteps; ++x)
+      for (int y = -kMostSteps; y <= kMostSteps; ++y)
+        for (int turn = -kMostTurns; turn <= kMostTurns; ++turn)
+          look({kGrid_m * x, kGrid_m * y, kGrid_rad * turn});
     for (const double by : {0.5, 0.25})
     {
       const Motion middle = best;
       for (int n = 0; n < 27; ++n)
         look(
-            {middle.ahead_m + by * kStep_m * (n % 3 - 1),
-             middle.left_m + by * kStep_m * (n / 3 % 3 - 1),
-             middle.turn_rad + by * kStep_rad * (n / 9 - 1)});
+            {middle.ahead_m + by * kGrid_m * (n % 3 - 1),
+             middle.left_m + by * kGrid_m * (n / 3 % 3 - 1),
+             middle.turn_rad + by * kGrid_rad * (n / 9 - 1)});
     }
     best_m.add(least_m);
   }
   const Fit fit{given_m.median(), best_m.median(), ""};
-  return fit.best_m < kFits * fit.given_m ? std::optional(fit) : std::nullopt;
+  return fit.best_m < kMotionFits * fit.given_m ? std::optional(fit) : std::nullopt;
 }
 
 double AxesWatch::apart_standing_m() const

@@ -12,7 +12,6 @@ namespace talus::import
 namespace
 {
 constexpr double kSinceEpoch_s = 1e9, kMaxOff_s = 60;
-constexpr double kLatest_s = 1e10;  // the year 2286
 }  // namespace
 
 void PointClock::add(const ScanFile& scan, double time_s)
@@ -58,6 +57,7 @@ void PointClock::estimate()
 /** Sets what the times are since. */
 bool PointClock::begins_at_scans(double unit_s)
 {
+  constexpr double kLatest_s = 1e10;  // the year 2286
   const auto since_s = [=](const Sample& s) { return s.low * unit_s; };
   const double median_s = median_of(since_s);
   const double size_s = median_of([&](const Sample& s) { return std::abs(since_s(s)); });
