@@ -74,10 +74,6 @@ TEST_F(TalusMapHintsOfPoses, whose_axes_are_mirrored_swapped_or_turned)
        [](const CPose3D& T) {
          return Place{T.x(), -T.y(), T.yaw()};
        }},
-      {"x of the poses is mirrored",
-       [](const CPose3D& T) {
-         return Place{-T.x(), T.y(), T.yaw()};
-       }},
       {"y and yaw of the poses",
        [](const CPose3D& T) {
          return Place{T.x(), -T.y(), -T.yaw()};

@@ -129,7 +129,6 @@ AxesWatch::Change AxesWatch::best_change() const
   std::vector<Change> all{
       {"y of the poses is mirrored", true},
       {"y and yaw of the poses are mirrored (or y of the points)", true, true},
-      {"x of the poses is mirrored", true, false, false, M_PI},
       {"the yaw of the poses is mirrored", false, true},
       {"x and y of the poses are swapped", false, false, true},
       {"the yaw of the poses is that of a compass, clockwise from y", false, true, false,
@@ -192,7 +191,7 @@ std::optional<AxesWatch::Fit> AxesWatch::better_axes() const
   std::string text = best.text;
   if (is_lever(best))
     text += fixed_text(best.ahead_m, 1) + " m ahead and " + fixed_text(best.left_m, 1) + " m left";
-  if (best.turn_rad != 0 && !best.mirrors_yaw && !best.mirrors_y)
+  if (best.turn_rad != 0 && !best.mirrors_yaw)
     text += fixed_text(std::remainder(best.turn_rad, 2 * M_PI) * 180 / M_PI, 0) + " degrees";
   if (best.scale != 1) text += fixed_text(best.scale, 2);
   return Fit{given_m, best_m, text};
