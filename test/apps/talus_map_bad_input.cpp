@@ -48,6 +48,13 @@ TEST_F(TalusMapBadInput, a_missing_file_a_directory_an_empty_file_and_a_text_fil
        "text.rawlog: "});
 }
 
+TEST_F(TalusMapBadInput, a_name_with_a_line_break_is_told_in_one_line)
+{
+  write_bytes(path("a\nb.tum"), "no poses");
+  write_good_log("x.rawlog");
+  EXPECT_TRUE(run("x.rawlog --trajectory 'a\nb.tum' --output out").says("a\\x0ab.tum"));
+}
+
 TEST_F(TalusMapBadInput, a_pipe_in_the_place_of_an_input_is_refused_without_waiting_for_it)
 {
   write_good_log("a.rawlog");

@@ -86,6 +86,24 @@ TEST_F(TalusMapHintsOfPoses, whose_axes_are_mirrored_swapped_or_turned)
        [](const CPose3D& T) {
          return Place{T.x(), T.y(), T.yaw() - M_PI / 4};
        }},
+      {"is that of a compass",
+       [](const CPose3D& T) {
+         return Place{T.x(), T.y(), M_PI / 2 - T.yaw()};
+       }},
+      {"poses are inverted",
+       [](const CPose3D& T) {
+         return Place{(-T).x(), (-T).y(), (-T).yaw()};
+       }},
+      {"a point of the robot",
+       [](const CPose3D& T)
+       {
+         const CPose3D antenna = T + CPose3D(1.2, -0.5, 0, 0, 0, 0);
+         return Place{antenna.x(), antenna.y(), T.yaw()};
+       }},
+      {"the poses have no yaw",
+       [](const CPose3D& T) {
+         return Place{T.x(), T.y(), 0};
+       }},
       {"multiplied by 0.3",
        [](const CPose3D& T) {
          return Place{T.x() / 0.3, T.y() / 0.3, T.yaw()};
@@ -112,7 +130,8 @@ TEST_F(TalusMapHintsOfPoses, whose_axes_are_mirrored_swapped_or_turned)
           std::cos(p.heading_rad / 2));
     }
     write_bytes(path("drive.tum"), tum);
-    EXPECT_TRUE(run("drive.rawlog --no-site --output out").says(text)) << text;
+    const CommandEnd done = run("drive.rawlog --no-site --output out");
+    EXPECT_TRUE(done.says(text)) << text << ", and not: " << done.err;
   }
 }
 
@@ -195,6 +214,56 @@ TEST_F(TalusMapHintsOfPoses, against_which_the_clock_of_the_scans_is_late_or_ear
     EXPECT_EQ(causes_in(done.err), only("the clock of the scans")) << done.err;
     const std::string seconds = late_s > 0 ? "0.12 s late" : "0.08 s early";
     EXPECT_TRUE(done.says("the clock of the scans is " + seconds)) << done.err;
+  }
+}
+
+TEST_F(TalusMapHintsOfPoses, in_feet_or_tenths_of_a_drive_of_five_metres)
+{
+  for (const double scale : {1.0, 1 / 0.3048, 0.1})
+  {
+    Scene scene = room_with([](double t) -> Place { return {std::min(t, 4.7), 0, 0}; });
+    scene.bystander = {{3, 3.6, 2, 2.8, 1}, {7, 7.3, -3, -2, 1}, {8, 8.6, 3, 3.5, 1}};
+    scene.sweep_s = 0.1;
+    scene.has_times = true;
+    scene.duration_s = 4.7;
+    write_scene(scene);
+    std::string tum;
+    for (const auto& [time_s, T] : talus::io::Trajectory::load(path("drive.tum")).entries())
+      tum += mrpt::format("%.6f %f 0 0 0 0 0 1\n", time_s, scale * T.x());
+    write_bytes(path("drive.tum"), tum);
+    EXPECT_EQ(run("drive.rawlog --no-site --output out").says("multiplied by"), scale != 1);
+  }
+}
+
+TEST_F(TalusMapHintsOfPoses, of_another_drive)
+{
+  Scene scene = room_with([](double t) -> Place { return {0.6 * t, 0, 0.8 * std::sin(t)}; });
+  scene.bystander = {{3, 3.6, 2, 2.8, 1}, {4, 4.3, -3, -2, 1}, {7, 7.6, 1, 1.5, 1}};
+  scene.duration_s = 12;
+  write_scene(scene);
+  EXPECT_EQ(causes(), kNone);
+  std::string tum;
+  for (int i = 0; i < 120; ++i)
+  {
+    const double yaw = 0.8 * std::sin(0.1 * i + 2.5);
+    tum += mrpt::format(
+        "%.6f %f %f 0 0 0 %f %f\n", kFirstStamp_s + 0.1 * i, 0.06 * i, 0.02 * i, std::sin(yaw / 2),
+        std::cos(yaw / 2));
+  }
+  write_bytes(path("drive.tum"), tum);
+  EXPECT_TRUE(run("drive.rawlog --no-site --output out").says("the poses of this log"));
+}
+
+TEST_F(TalusMapHintsOfPoses, of_a_late_clock_show_where_points_have_times)
+{
+  Scene scene = room_with(turning_at(0.8, 0.8));
+  scene.sweep_s = 0.1;
+  scene.has_times = true;
+  for (const double late_s : {0.0, 0.12})
+  {
+    scene.late_s = late_s;
+    write_scene(scene);
+    EXPECT_EQ(causes(), late_s == 0 ? kNone : only("the clock of the scans"));
   }
 }
 

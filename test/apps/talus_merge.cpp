@@ -87,6 +87,25 @@ TEST_F(TalusMerge, a_site_is_all_its_files)
     EXPECT_FALSE(fs::exists(dir_ / ("all/" + std::string(old)))) << "is of the map before: " << old;
 }
 
+TEST_F(TalusMerge, takes_a_site_of_one_cell)
+{
+  const auto one = site();
+  cell_at(*one, 400, 7) = measured(1.5F, 1000);
+  write_site(dir_ / "one.tif", *one, 0);
+  write_map("a.tif", 1000, 0, 1);
+  EXPECT_SAYS(runs("one.tif a.tif --output all.tif").text, "2 maps: 225.00 m2 known");
+  runs("a.tif one.tif --output other.tif");
+  EXPECT_EQ(read_bytes(dir_ / "all.tif"), read_bytes(dir_ / "other.tif"));
+  runs("one.tif one.tif --output twice.tif");
+  for (const char* name : {"all.tif", "twice.tif"})
+  {
+    const auto merged = site();
+    read_site(dir_ / name, *merged, 0);
+    EXPECT_EQ(cell_at(*merged, 400, 7).cell.ground_m, 1.5F) << name;
+    EXPECT_FALSE(known_at(*merged, 401, 7).known()) << name;
+  }
+}
+
 TEST_F(TalusMerge, opens_no_more_files_at_once_than_it_may)
 {
   std::string names;

@@ -255,6 +255,11 @@ TEST_F(ScanFiles, say_how_their_points_are_timed)
         {1e9 * now, 1e8, 1e8, now, 0, "ns since 1970"},
         {1e9 * now, 2e6, 1e8, now, 0, "ns of a sensor that looks ahead"},
         {0, 0.1, 0.1, 0, 0, "seconds of a simulation"},
+        {80000, 0.1, 0.1, now, 0, "seconds of the day"},
+        {8e8, 1e5, 1e5, now, 0, "us of the hour"},
+        {252818, 0.1, 0.1, now, 0, "seconds of the GPS week, 18 s ahead"},
+        {now + 37 - 7200, 0.1, 0.1, now, 0, "PTP's time, in another zone"},
+        {now + 2, 0.1, 0.1, now, NAN, "another clock"},
         {0, 0.1, 0.1, now, NAN, "seconds since the start of the driver"},
         {5e11, 1e8, 1e8, now, NAN, "ns since the start of the sensor"},
         {now, 0, 0, now, NAN, "seconds as floats"}})
@@ -272,13 +277,36 @@ TEST_F(ScanFiles, say_how_their_points_are_timed)
       if (i == 3) scan.time[50] = first + 40 * row.span;  // broken
       clock.add(scan, row.stamped_s + 0.1 * i);
     }
-    EXPECT_EQ(clock.why_none().empty(), !std::isnan(row.seconds)) << clock.why_none();
+    EXPECT_EQ(clock.is_understood(), !std::isnan(row.seconds)) << clock.remark();
     clock.leave_out_broken(scan);
     const auto since = clock.times_since(row.stamped_s + 0.8, scan);
     ASSERT_EQ(since.empty(), std::isnan(row.seconds));
     if (since.empty()) continue;
     EXPECT_NEAR(since[0], row.seconds, 1e-5);
   }
+}
+
+TEST_F(ScanFiles, have_the_first_times_that_are_not_all_the_same)
+{
+  const auto read = [&](const std::string& points)
+  {
+    return read_as(
+        "ascii.pcd",
+        "FIELDS x y z time_offset timestamp\nSIZE 4 4 4 4 8\nTYPE F F F F F\nWIDTH 3\n"
+        "DATA ascii\n" +
+            points);
+  };
+  EXPECT_EQ(read("1 1 1 0 9\n2 2 2 5 9\n3 3 3 7 9\n").time, (std::vector<double>{0, 5, 7}));
+  EXPECT_EQ(read("1 1 1 0 9\n2 2 2 5 8\n3 3 3 7 7\n").time, (std::vector<double>{9, 8, 7}));
+  const ScanFile broken = read("1 1 1 0 9\n2 2 2 nan 9\n3 3 3 7 9\n");
+  EXPECT_EQ(broken.time, (std::vector<double>{0, 7}));
+  EXPECT_EQ(broken.x_m, (std::vector<double>{1, 3}));
+  EXPECT_EQ(broken.not_finite, 1u);
+  const ScanFile none = read("1 1 1 nan nan\n2 2 2 nan nan\n3 3 3 nan nan\n");
+  EXPECT_EQ(none.x_m.size(), 3u);
+  PointClock clock;
+  clock.add(none, 0);
+  EXPECT_NE(clock.remark().find("the same for all points"), std::string::npos);
 }
 
 TEST_F(ScanFiles, lose_points_with_broken_times)

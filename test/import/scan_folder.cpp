@@ -216,11 +216,12 @@ TEST_F(ScanFolder, reads_names_of_nanoseconds_without_zeros_and_of_dates)
   for (const char* name :
        {"bare/1700000000.53000000", "bare/1700000000.153000000", "bare/1700000001.0",
         "line/1700000000_053000000", "line/1700000000_153000000", "line/1700000001_0",
-        "date/20231114221320053", "date/20231114221320153", "date/20231114221321000",
-        "dash/2023-11-14-22-13-20-053", "dash/2023-11-14-22-13-20-153",
+        "word/cloud_1700000000_053000000", "word/cloud_1700000000_153000000",
+        "word/cloud_1700000001_0", "date/20231114221320053", "date/20231114221320153",
+        "date/20231114221321000", "dash/2023-11-14-22-13-20-053", "dash/2023-11-14-22-13-20-153",
         "dash/2023-11-14-22-13-21-000"})
     write(std::string(name) + ".pcd", pcd_ascii(scan_number(0)));
-  for (const char* folder : {"bare", "line", "date", "dash"})
+  for (const char* folder : {"bare", "line", "word", "date", "dash"})
   {
     const auto source = open(folder);
     const auto scans = read(*source);
@@ -233,6 +234,9 @@ TEST_F(ScanFolder, reads_names_of_nanoseconds_without_zeros_and_of_dates)
   write("decimals/1700000000.053000001.pcd", pcd_ascii(scan_number(0)));
   write("decimals/1700000000.15.pcd", pcd_ascii(scan_number(1)));
   EXPECT_NEAR(read("decimals")[1].time_s, 1700000000.15, 1e-6) << "with zeros that lead";
+  write("since/9.950.pcd", pcd_ascii(scan_number(0)));
+  write("since/10.0.pcd", pcd_ascii(scan_number(1)));
+  EXPECT_EQ(read("since")[0].time_s, 9.95);
 }
 
 TEST_F(ScanFolder, has_points_in_the_unit_that_is_said)

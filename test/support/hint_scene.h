@@ -1,6 +1,8 @@
 #pragma once
 // Shared by the specifications of hints: what the simulator has not, seen by rays: glass, a person
 // who follows, a robot that turns on the spot while a scan is taken, and clocks that are late.
+#include <mrpt/obs/CObservationVelodyneScan.h>
+
 #include <functional>
 
 #include "hint_drive.h"
@@ -52,6 +54,7 @@ struct Scene
   double sensor_m = 0.7, lowest_deg = -35;
   double duration_s = 8, step_s = 0.2;
   double sweep_s = 0;  //!< from the first ray of a scan to the last; they are told as one moment
+  bool has_times = false;  //!< of the rays
   double late_s = 0;  //!< of the stamps of the scans
   std::vector<Box> bystander{};
 };
@@ -100,8 +103,9 @@ class HintScenes : public HintDrive
   {
     constexpr int kRings = 24, kColumns = 300;
     constexpr double kHighest_deg = 10, kFarthest_m = 30;
-    auto obs = observation_at<mrpt::obs::CObservationPointCloud>(
-        kFirstStamp_s + time_s + scene.late_s, "lidar");
+    const double stamp_s = kFirstStamp_s + time_s + scene.late_s;
+    auto obs = observation_at<mrpt::obs::CObservationPointCloud>(stamp_s, "lidar");
+    auto timed = observation_at<mrpt::obs::CObservationVelodyneScan>(stamp_s, "lidar");
     auto points = mrpt::maps::CSimplePointsMap::Create();
     for (int i = 0; i < kColumns * kRings; ++i)
     {
@@ -121,9 +125,16 @@ class HintScenes : public HintDrive
           static_cast<float>(r_m * std::cos(rise) * std::cos(turn)),
           static_cast<float>(r_m * std::cos(rise) * std::sin(turn)),
           static_cast<float>(r_m * std::sin(rise)));
+      timed->point_cloud.timestamp.push_back(mrpt::Clock::fromDouble(stamp_s + ray_s - time_s));
     }
     obs->pointcloud = points;
-    obs->sensorPose = CPose3D(0, 0, scene.sensor_m, 0, 0, 0);
+    timed->minRange = 0;
+    auto& cloud = timed->point_cloud;
+    points->getAllPoints(cloud.x, cloud.y, cloud.z);
+    cloud.intensity.assign(cloud.x.size(), 0);
+    cloud.laser_id.assign(cloud.x.size(), 0);
+    obs->sensorPose = timed->sensorPose = CPose3D(0, 0, scene.sensor_m, 0, 0, 0);
+    if (scene.has_times) return timed;
     return obs;
   }
 };

@@ -58,9 +58,11 @@ Vec3 moved(const Pose& T, const Vec3& p)
 
 void sample_in_base(
     const Frame& frame, const Parameters& parameters, std::size_t most, std::uint64_t salt,
-    std::vector<Vec3>& points)
+    std::vector<Vec3>& points, std::vector<float>* times_s)
 {
   points.clear();
+  if (times_s) times_s->clear();
+  const bool has_times = frame.time_s && !frame.path.empty();
   const Pose T_base_sensor = frame.T_base_sensor.value_or(Pose{});
   const RangeGate gate(parameters);
   const std::size_t stride = std::max<std::size_t>(1, (frame.size + most - 1) / most);
@@ -72,7 +74,9 @@ void sample_in_base(
     const Vec3 p{frame.x_m[i], frame.y_m[i], frame.z_m[i]};
     if (!gate.takes(dot(p, p))) continue;  // nor what is not finite
     const Vec3 p_base = moved(T_base_sensor, p);
-    if (!is_of_body(parameters, p_base)) points.push_back(p_base);
+    if (is_of_body(parameters, p_base)) continue;
+    points.push_back(p_base);
+    if (times_s) times_s->push_back(has_times ? frame.time_s[i] : 0);
   }
 }
 

@@ -23,10 +23,11 @@ Vec3 turned(const Pose& T, const Vec3& v);
 inline Vec3 origin_of(const Pose& T) { return {T.x(), T.y(), T.z()}; }
 
 /** Replaces `points` by up to `most` of a frame's points in the frame of the robot's base [m],
- * picked evenly and by a hash of `salt`: none that is not finite, out of range or of a body box. */
+ * picked evenly and by a hash of `salt`: none that is not finite, out of range or of a body box.
+ * `times_s`: after the stamp of the frame. */
 void sample_in_base(
     const Frame& frame, const Parameters& parameters, std::size_t most, std::uint64_t salt,
-    std::vector<Vec3>& points);
+    std::vector<Vec3>& points, std::vector<float>* times_s = nullptr);
 
 /** The same with all points that are no farther from the base than `reach_m` along x, y and z. */
 void near_in_base(

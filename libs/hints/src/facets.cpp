@@ -22,7 +22,7 @@ constexpr double kAlong_m = 0.6;  // from the middle of one to that of the other
 
 struct Sums
 {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, time_s = 0;
 };
 
 std::uint64_t cell_of(double x_m, double y_m)
@@ -42,20 +42,27 @@ double facet_from(const Sums& s, const Vec3& sensor, Facet& facet)
   const double thick_m = std::sqrt(std::max(0.0, half - root)), long_m = std::sqrt(half + root);
   if (thick_m > kMaxThick_m || long_m < kMinLong_m || long_m < 3 * thick_m) return 0;
   const double along = std::atan2(2 * xy, xx - yy) / 2;
-  facet = {mx, my, -std::sin(along), std::cos(along), std::atan2(my - sensor.y, mx - sensor.x)};
+  facet = {
+      mx,
+      my,
+      -std::sin(along),
+      std::cos(along),
+      std::atan2(my - sensor.y, mx - sensor.x),
+      s.time_s / s.n};
   return long_m;
 }
 }  // namespace
 
 std::vector<Facet> facets_of(
-    const std::vector<Vec3>& points, const NearPlane& ground, const Vec3& sensor,
-    const Pose& T_map_base, std::size_t most)
+    const std::vector<Vec3>& points, const std::vector<float>& times_s, const NearPlane& ground,
+    const Vec3& sensor, const Pose& T_map_base, std::size_t most)
 {
   const double heading = std::atan2(T_map_base.m[4], T_map_base.m[0]);
   const double c = std::cos(heading), s = std::sin(heading);
   std::unordered_map<std::uint64_t, Sums> cells;
-  for (const Vec3& p : points)
+  for (std::size_t i = 0; i < points.size(); ++i)
   {
+    const Vec3& p = points[i];
     const double above_m = ground.distance_m(p);
     const double away_m = std::hypot(p.x - sensor.x, p.y - sensor.y);
     if (above_m < kLow_m || above_m > kHigh_m || away_m < kNearest_m || away_m > kFarthest_m)
@@ -63,7 +70,7 @@ std::vector<Facet> facets_of(
     const Vec3 v = turned(T_map_base, p);
     const double x = c * v.x + s * v.y, y = c * v.y - s * v.x;
     Sums& sums = cells[cell_of(x, y)];
-    sums.n += 1, sums.x += x, sums.y += y;
+    sums.n += 1, sums.x += x, sums.y += y, sums.time_s += times_s[i];
     sums.xx += x * x, sums.xy += x * y, sums.yy += y * y;
   }
   std::vector<std::pair<double, Facet>> found;

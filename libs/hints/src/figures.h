@@ -57,6 +57,7 @@ struct SensorFigures
   BodyWatch body;
   LagWatch lag;
   AxesWatch axes;
+  bool is_deskewed = false;  //!< by the map
   double mount_tilt_rad = 0, first_tilt_rad = 0;  //!< of its z axis, against those of base and map
 
   /** The median plane; level and at the base where no frame shows one. */

@@ -105,6 +105,7 @@ void thin_out(std::vector<Vec3>& points, std::size_t most)
 struct HintFinder::Scratch
 {
   std::vector<Vec3> points, near;
+  std::vector<float> times_s;  //!< of the points
 };
 
 HintFinder::HintFinder(const Parameters& parameters, Effort effort)
@@ -203,14 +204,15 @@ void HintFinder::look_at(const Frame& frame, std::size_t sensor)
 void HintFinder::look_at_walls(const Frame& frame, std::size_t sensor, const Pose& T_map_base)
 {
   SensorFigures& s = figures_->sensors[sensor];
-  // What the map deskews itself has times of points, which are judged elsewhere.
-  const bool for_lag = frame.path.empty() && s.lag.wants(frame.stamp_s, T_map_base);
+  s.is_deskewed |= !frame.path.empty();
+  const bool for_lag = s.lag.wants(frame.stamp_s, T_map_base);
   const bool for_axes = s.axes.wants(frame.stamp_s, T_map_base);
   if (!for_lag && !for_axes) return;
   const Vec3 at = origin_of(frame.T_base_sensor.value_or(Pose{}));
   const NearPlane level;  // the base is on the ground
-  sample_in_base(frame, parameters_, kWallPoints, s.frames, scratch_->points);
-  const auto facets = facets_of(scratch_->points, level, at, T_map_base, kFacets);
+  sample_in_base(frame, parameters_, kWallPoints, s.frames, scratch_->points, &scratch_->times_s);
+  const auto facets =
+      facets_of(scratch_->points, scratch_->times_s, level, at, T_map_base, kFacets);
   if (for_lag) s.lag.add(facets);
   if (for_axes) s.axes.add(facets);
 }

@@ -23,7 +23,7 @@ std::optional<Hint> wrong_times_of(const SensorFigures& s)
   const double clock_m = s.lag.apart_m(clock), sweep_m = s.lag.apart_m(sweep);
   const std::string seen =
       "walls that are seen in different turns lie " + metres(now_m) + " apart, and ";
-  if (sweep_m < kSweepFits * std::min(now_m, clock_m))
+  if (!s.is_deskewed && sweep_m < kSweepFits * std::min(now_m, clock_m))
   {
     const double turned_rad = s.lag.fastest_rps() * std::abs(sweep.sweep_s);
     if (turned_rad < kMinSkew_deg * M_PI / 180) return {};
@@ -65,8 +65,22 @@ std::optional<Hint> wrong_axes(const Figures& f)
               metres(s.axes.path_m()) +
               " seen from above: are the axes of the poses those of a camera, whose z points "
               "ahead? z of the map points up"};
+    if (s.axes.apart_without_yaw_m() > kMinMovedWalls_m)
+      return Hint{
+          Kind::WrongAxes,
+          "the path turns and the heading stays, and walls lie " +
+              metres(s.axes.apart_without_yaw_m()) +
+              " apart on average: the poses have no yaw: give a trajectory with the full attitude "
+              "(--trajectory)"};
     auto fit = s.axes.better_axes();
     if (!fit) fit = s.axes.better_scale();
+    if (const auto motions = fit ? std::nullopt : s.axes.better_motions())
+      return Hint{
+          Kind::WrongAxes,
+          "walls lie " + metres(motions->given_m) +
+              " apart from frame to frame by the poses, and " + metres(motions->best_m) +
+              " where the frames are laid upon each other: are these the poses of this log, by the "
+              "clock of its scans? Pass those (--trajectory)"};
     if (fit)
       return Hint{
           Kind::WrongAxes, "walls that are seen from different positions lie " +

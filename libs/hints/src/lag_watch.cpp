@@ -85,7 +85,7 @@ std::vector<WallLine> LagWatch::lines_of(const Kept& kept, const Lag& lag) const
     const double turn =
         lag.sweep_s < 0 ? lag.first_rad - f.bearing_rad : f.bearing_rad - lag.first_rad;
     const double share = turn / (2 * M_PI) - std::floor(turn / (2 * M_PI));
-    const Stop at = place_at(kept.stamp_s - lag.late_s + share * std::abs(lag.sweep_s));
+    const Stop at = place_at(kept.stamp_s - lag.late_s + f.time_s + share * std::abs(lag.sweep_s));
     lines.push_back(wall_line(f, at.x_m, at.y_m, at.heading_rad));
   }
   return lines;

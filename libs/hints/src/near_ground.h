@@ -83,13 +83,14 @@ struct Facet
   double x_m, y_m;  //!< its middle
   double normal_x, normal_y;  //!< of length 1, to either side
   double bearing_rad;  //!< direction from the sensor to it, against x
+  double time_s;  //!< after the stamp; 0: not known
 };
 
 /** What a frame shows of walls and the like: where its points between knee and head lie in lines.
  * The longest first. `points` and `ground` in the frame of the base. */
 std::vector<Facet> facets_of(
-    const std::vector<Vec3>& points, const NearPlane& ground, const Vec3& sensor,
-    const Pose& T_map_base, std::size_t most);
+    const std::vector<Vec3>& points, const std::vector<float>& times_s, const NearPlane& ground,
+    const Vec3& sensor, const Pose& T_map_base, std::size_t most);
 
 /** Two groups of frames that a robot took in different directions of travel: a bit for each frame.
  */

@@ -256,6 +256,7 @@ void collect_points(
           "unpacks to more than " + std::to_string(most_points) +
           " points, and the bytes of it in the file hold no more");
   }
+  collector.finish();
 }
 
 }  // namespace talus::import

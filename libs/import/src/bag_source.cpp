@@ -226,9 +226,10 @@ std::vector<std::string> BagSource::remarks() const
     const auto& topic = reader_.topics()[i].name;
     if (!sensor.has_lost_many()) count(sensor.late, topic, kLate);
     count(sensor.not_mounted, topic, "are left out: TF has no mounting at their time");
-    if (const auto why = motion_.clock(i).why_none(); !why.empty() && sensor.scans > 0)
-      all.push_back(topic + ": " + why);
-    else
+    const auto& clock = motion_.clock(i);
+    if (const auto said = clock.remark(); !said.empty() && sensor.scans > 0)
+      all.push_back(topic + ": " + said);
+    if (clock.is_understood())
       count(
           sensor.not_timed, topic,
           "are read without times of points: these are far from those of the scans");

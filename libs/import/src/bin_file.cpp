@@ -107,6 +107,7 @@ void read_bin(const std::string& path, ScanFile& out)
   auto places = positions_of(fields, bytes.data(), count, is_big_endian_host());
   places.push_back({reinterpret_cast<const char*>(labels.data()), sizeof labels[0], false});
   points.add_records(places, count);
+  points.finish();
   require_distances(path, out);
 }
 

@@ -57,14 +57,14 @@ bool have_lines_by_number(const std::vector<std::string>& scans, std::size_t lin
 std::vector<std::size_t> lines_of_scans(
     const std::vector<std::string>& scans, std::size_t lines, const std::string& path);
 
-/** The numbers that the names of all files are, as text. SECONDS_NANOSECONDS, and
- * SECONDS.NANOSECONDS where the folder as a whole shows that these do without leading zeros, get a
- * point and the zeros. Empty: some name is no number. */
+/** The numbers that the names of all files are, behind a common word such as cloud_, as text.
+ * SECONDS_NANOSECONDS, and SECONDS.NANOSECONDS where the folder as a whole shows that these do
+ * without leading zeros, get a point and the zeros. Empty: some name is no number. */
 std::vector<std::string> numbers_of_names(const std::vector<std::string>& scans);
 
 /** The seconds since the epoch that the names of all files are: in seconds, milli-, micro- or
- * nanoseconds, or as dates of UTC from the year to the second or its fraction; ascending. Empty:
- * they are no times. */
+ * nanoseconds, or as dates of UTC from the year to the second or its fraction, or of another
+ * beginning where all have a decimal point; ascending. Empty: they are no times. */
 std::vector<double> times_of_names(const std::vector<std::string>& scans);
 
 }  // namespace talus::import

@@ -189,8 +189,7 @@ PointCollector::PointCollector(
           place + ": its points have no " + axis + " (they have: " + names_of(fields) +
           "). Is it a cloud of points?");
   want_values(fields, place);
-  time_ = want(fields, kTime);
-  if (time_ < 0) time_ = want_like(fields, {"time", "stamp"});
+  want_times(fields);
   for (std::size_t axis = 0; axis < 3; ++axis) seen_from_[axis] = want(fields, {kSeenFrom[axis]});
   ring_ = want(fields, kRing);
   for (const std::size_t at : wanted_)
@@ -214,7 +213,7 @@ PointCollector::PointCollector(
   for (auto* axis : {&out.x_m, &out.y_m, &out.z_m}) axis->reserve(points);
   if (intensity_ >= 0) out.intensity.reserve(points);
   if (has_rgb()) out.rgb.reserve(points);
-  if (time_ >= 0) out.time.reserve(points);
+  for (auto& time : times_) time.values.reserve(points);
   if (ring_ >= 0) out.ring.reserve(points);
   if (has_seen_from()) out.seen_from_m.reserve(points);
 }
@@ -225,15 +224,19 @@ int PointCollector::want(const std::vector<PointField>& fields, const Names& nam
   return want_field(fields, find(fields, names), names == kRgb);
 }
 
-/** The same of the first one with a name that has one of the words in it: relative_time,
- * time_offset_ns. */
-int PointCollector::want_like(const std::vector<PointField>& fields, const Names& words)
+/** Those with a known name, then those with a name like relative_time, time_offset_ns. */
+void PointCollector::want_times(const std::vector<PointField>& fields)
 {
+  std::vector<int> found;
+  for (const auto& name : kTime)
+    if (const int at = find(fields, {name}); at >= 0) found.push_back(at);
   for (std::size_t i = 0; i < fields.size(); ++i)
-    for (const auto word : words)
+    for (const char* word : {"time", "stamp"})
       if (fields[i].count == 1 && plain_name(fields[i].name).find(word) != std::string::npos)
-        return want_field(fields, static_cast<int>(i), false);
-  return -1;
+        found.push_back(static_cast<int>(i));
+  for (auto at = found.begin(); at != found.end(); ++at)
+    if (std::find(found.begin(), at, *at) == at)
+      times_.push_back({want_field(fields, *at, false), {}});
 }
 
 int PointCollector::want_field(const std::vector<PointField>& fields, int at, bool is_colour)
@@ -332,10 +335,9 @@ void PointCollector::add_text(TextLines& line, const std::string& place)
 
 void PointCollector::add(const double* values)
 {
-  const bool has_time = time_ < 0 || std::isfinite(values[time_]);
   const double scale = out_->scale;
   const double x_m = values[0] * scale, y_m = values[1] * scale, z_m = values[2] * scale;
-  if (!is_float(x_m) || !is_float(y_m) || !is_float(z_m) || !has_time)
+  if (!is_float(x_m) || !is_float(y_m) || !is_float(z_m))
   {
     ++out_->not_finite;
     return;
@@ -345,7 +347,7 @@ void PointCollector::add(const double* values)
   out_->x_m.push_back(x_m);
   out_->y_m.push_back(y_m);
   out_->z_m.push_back(z_m);
-  if (time_ >= 0) out_->time.push_back(values[time_]);
+  for (auto& time : times_) time.values.push_back(values[time.at]);
   if (intensity_ >= 0)
   {
     const double intensity = values[intensity_];
@@ -362,6 +364,42 @@ void PointCollector::add(const double* values)
     const double ring = values[ring_];  // NaN is none
     out_->ring.push_back(ring >= 0 && ring <= kMax ? static_cast<std::uint16_t>(ring) : 0);
   }
+}
+
+/** A time that is the same for all points is that of the scan, where another field has others. */
+void PointCollector::finish()
+{
+  if (times_.empty()) return;
+  const auto is_finite = [](double time) { return std::isfinite(time); };
+  const auto varies = [&](const TimeField& time)
+  {
+    const auto& all = time.values;
+    const auto first = std::find_if(all.begin(), all.end(), is_finite);
+    return std::any_of(first, all.end(), [&](double t) { return is_finite(t) && t != *first; });
+  };
+  const auto best = std::find_if(times_.begin(), times_.end(), varies);
+  auto& time = out_->time;
+  time.swap((best == times_.end() ? times_.front() : *best).values);
+  std::vector<bool> is_kept(time.size());
+  std::transform(time.begin(), time.end(), is_kept.begin(), is_finite);
+  const auto kept = std::count(is_kept.begin(), is_kept.end(), true);
+  if (kept == 0) return std::fill(time.begin(), time.end(), 0.0);  // none was ever written
+  out_->not_finite += time.size() - static_cast<std::size_t>(kept);
+  if (static_cast<std::size_t>(kept) < time.size()) out_->keep(is_kept);
+}
+
+void ScanFile::keep(const std::vector<bool>& is_kept)
+{
+  const auto keep_in = [&](auto& all)
+  {
+    if (all.empty()) return;
+    std::size_t i = 0;
+    all.erase(
+        std::remove_if(all.begin(), all.end(), [&](const auto&) { return !is_kept[i++]; }),
+        all.end());
+  };
+  for (auto* all : {&x_m, &y_m, &z_m, &time}) keep_in(*all);
+  keep_in(intensity), keep_in(rgb), keep_in(ring), keep_in(seen_from_m);
 }
 
 void take_points(ScanFile& file, ImportedScan& scan)

@@ -88,6 +88,8 @@ struct ScanFile
   double scale = 1;  //!< and this
   std::vector<std::array<double, 3>> no_return_points;  //!< and these
 
+  /** Leaves out the other points. */
+  void keep(const std::vector<bool>& is_kept);
   /** Forgets all but what was set before. */
   void clear()
   {
@@ -122,13 +124,15 @@ class PointCollector
   /** The point of a line of text. Throws std::runtime_error, the `place` of the line and what is
    * wrong. */
   void add_text(TextLines& line, const std::string& place);
+  /** After the last point: chooses its time of several fields, and leaves out points without. */
+  void finish();
 
  private:
   /** One point: a number for each of wanted(). */
   void add(const double* values);
   using Names = std::vector<std::string_view>;
   int want(const std::vector<PointField>& fields, const Names& names);
-  int want_like(const std::vector<PointField>& fields, const Names& words);
+  void want_times(const std::vector<PointField>& fields);
   int want_field(const std::vector<PointField>& fields, int at, bool is_colour);
   void want_values(const std::vector<PointField>& fields, const std::string& place);
   bool has_seen_from() const
@@ -142,7 +146,13 @@ class PointCollector
   std::vector<NumberType> types_;  //!< in bytes: colours that are called a float are none
   std::vector<std::size_t> columns_;  //!< of each number of a line, its index in wanted_, or kNone
   std::vector<double> values_;  //!< of one point
-  int intensity_ = -1, time_ = -1, ring_ = -1;  //!< indices in wanted_
+  int intensity_ = -1, ring_ = -1;  //!< indices in wanted_
+  struct TimeField
+  {
+    int at;  //!< in wanted_
+    std::vector<double> values;
+  };
+  std::vector<TimeField> times_;  //!< those that may be it, the likeliest first
   int rgb_ = -1, red_ = -1, green_ = -1, blue_ = -1;
   int seen_from_[3] = {-1, -1, -1};
   bool is_rgb_text_ = false;  //!< the bits of a float as decimals

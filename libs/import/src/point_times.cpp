@@ -1,6 +1,7 @@
 #include "point_times.h"
 
 #include <talus/io/quantile.h>
+#include <talus/number_text.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,14 +12,6 @@ namespace talus::import
 namespace
 {
 constexpr double kSinceEpoch_s = 1e9, kMaxOff_s = 60;
-
-template <class T>
-void keep(std::vector<T>& all, const std::vector<bool>& is_kept)
-{
-  std::size_t i = 0;
-  all.erase(
-      std::remove_if(all.begin(), all.end(), [&](const T&) { return !is_kept[i++]; }), all.end());
-}
 }  // namespace
 
 void PointClock::add(const ScanFile& scan, double time_s)
@@ -70,19 +63,37 @@ bool PointClock::begins_at_scans(double unit_s)
   const double size_s = median_of([&](const Sample& s) { return std::abs(since_s(s)); });
   const double off_s = median_of([&](const Sample& s) { return std::abs(since_s(s) - s.time_s); });
   is_since_epoch_ = median_s >= kSinceEpoch_s && median_s < kLatest_s;
+  begin_s_ = 0;
   is_absolute_ = std::isnan(off_s) ? is_since_epoch_ : off_s < size_s;
-  if (is_absolute_) return std::isnan(off_s) || off_s <= kMaxOff_s;
+  if (is_absolute_ && (std::isnan(off_s) || off_s <= max_span_s_)) return true;
   // Those since the start of a driver grow from scan to scan.
   const double changes_s =
       median_of([&](const Sample& s) { return std::abs(since_s(s) - median_s); });
   const double span_s = median_of([=](const Sample& s) { return (s.high - s.low) * unit_s; });
-  return size_s <= kMaxOff_s && changes_s <= span_s / 2;
+  if (!is_absolute_ && size_s <= kMaxOff_s && changes_s <= span_s / 2) return true;
+  return is_absolute_ = size_s < kLatest_s && begins_elsewhere(unit_s);
+}
+
+/** Since midnight, the beginning of an hour or a GPS week, in another zone, or by the clock of GPS
+ * or PTP, which know no leap seconds. */
+bool PointClock::begins_elsewhere(double unit_s)
+{
+  constexpr double kZones_s = 900;  // zones, hours, days and weeks are multiples of it
+  const auto ahead_s = [=](const Sample& s) { return s.low * unit_s - s.time_s; };
+  for (const double leap_s : {0.0, 18.0, -18.0, 37.0, -37.0})
+  {
+    begin_s_ = leap_s + kZones_s * std::round((-leap_s + median_of(ahead_s)) / kZones_s);
+    const double off_s =
+        median_of([&](const Sample& s) { return std::abs(ahead_s(s) - begin_s_); });
+    if (off_s <= max_span_s_) return true;
+  }
+  return false;
 }
 
 double PointClock::first_s(const ScanFile& scan) const
 {
   if (scan.time.empty() || unit_s_ == 0) return std::nan("");
-  return unit_s_ * *std::min_element(scan.time.begin(), scan.time.end());
+  return unit_s_ * *std::min_element(scan.time.begin(), scan.time.end()) - begin_s_;
 }
 
 std::size_t PointClock::leave_out_broken(ScanFile& scan) const
@@ -99,16 +110,13 @@ std::size_t PointClock::leave_out_broken(ScanFile& scan) const
   for (std::size_t i = 0; i < points; ++i) is_kept[i] = std::abs(scan.time[i] - middle) <= limit;
   const auto broken = static_cast<std::size_t>(std::count(is_kept.begin(), is_kept.end(), false));
   if (broken * kMany > points) return scan.time.clear(), 0;
-  for (auto* all : {&scan.x_m, &scan.y_m, &scan.z_m, &scan.time}) keep(*all, is_kept);
-  if (!scan.intensity.empty()) keep(scan.intensity, is_kept);
-  if (!scan.rgb.empty()) keep(scan.rgb, is_kept);
-  if (!scan.ring.empty()) keep(scan.ring, is_kept);
+  scan.keep(is_kept);
   return broken;
 }
 
 std::vector<float> PointClock::times_since(double time_s, const ScanFile& scan) const
 {
-  const double origin_s = is_absolute_ ? time_s : 0;
+  const double origin_s = is_absolute_ ? begin_s_ + time_s : 0;
   std::vector<float> times_s;
   times_s.reserve(scan.time.size());
   for (const double time : scan.time)
@@ -120,9 +128,13 @@ std::vector<float> PointClock::times_since(double time_s, const ScanFile& scan) 
   return times_s;
 }
 
-std::string PointClock::why_none() const
+std::string PointClock::remark() const
 {
-  if (samples_.empty() || unit_s_ > 0) return "";
+  if (is_understood())
+    return begin_s_ == 0 || samples_.empty()
+               ? ""
+               : "its points have another clock than its scans: " + fixed_text(begin_s_, 0) +
+                     " s are taken off their times";
   return std::string("its scans are read without times of points, and are not deskewed: ") +
          (are_same_ ? "these are the same for all points of a scan"
                     : "these fit no unit and no beginning");

@@ -35,8 +35,10 @@ class PointClock
   /** The times of points relative to that of the scan [s]; empty where they are too far from it. */
   std::vector<float> times_since(double time_s, const ScanFile& scan) const;
 
-  /** Why no scan has times of points, for a sentence that begins with the sensor; "": they do. */
-  std::string why_none() const;
+  /** Why no scan has times of points, or what was assumed of them, for a sentence that begins with
+   * the sensor. */
+  std::string remark() const;
+  bool is_understood() const { return samples_.empty() || unit_s_ > 0; }
 
  private:
   struct Sample
@@ -46,12 +48,14 @@ class PointClock
   };
   void estimate();
   bool begins_at_scans(double unit_s);
+  bool begins_elsewhere(double unit_s);
   double median_of(const std::function<double(const Sample&)>& value) const;
 
   std::vector<Sample> samples_;
   double period_s_ = 0;  //!< 0: nobody said it
   double unit_s_ = 0;  //!< 0: not understood
   double max_span_s_ = 0;  //!< no scan takes longer
+  double begin_s_ = 0;  //!< of absolute times, since that of the times of scans
   bool is_since_epoch_ = false;
   bool is_absolute_ = false;
   bool are_same_ = false;  //!< all of a scan

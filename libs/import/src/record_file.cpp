@@ -28,6 +28,7 @@ void read_binary(
           records.fields, data.data(), records.count, records.is_big_endian != is_big_endian_host(),
           records.by_field),
       records.count);
+  points.finish();
 }
 
 void read_text(
@@ -54,6 +55,7 @@ void read_text(
     fail_at(
         place(), "is cut: " + std::to_string(read) + " of " + std::to_string(records.count) +
                      " points are there");
+  points.finish();
 }
 }  // namespace
 

@@ -141,7 +141,8 @@ void ScanFolder::set_times()
     {
       const auto name = std::filesystem::path(layout_.scans[i]).stem().string();
       const auto seconds = std::to_string(static_cast<long long>(times_s_[i]));
-      if (!numbers.empty() && numbers[i] == name && name.find(seconds) == 0) continue;
+      if (times_s_[i] >= 1e9 && !numbers.empty() && numbers[i] == name && name.find(seconds) == 0)
+        continue;
       return remarks_.push_back(
           "the names of the files are times: " + name + " is " + fixed_text(times_s_[i], 3) + " s");
     }
@@ -233,7 +234,7 @@ bool ScanFolder::next(ImportedScan& scan)
   scan.T_base_sensor = T_base_sensor_;
   scan.point_time_s = clock_.times_since(time_s, file_);
   take_points(file_, scan);
-  if (scan.point_time_s.empty() && has_times && clock_.why_none().empty())
+  if (scan.point_time_s.empty() && has_times && clock_.is_understood())
     remark_once(
         said_times_,
         "the times of the points are left out: they lie more than a minute from those "
@@ -249,7 +250,7 @@ bool ScanFolder::next(ImportedScan& scan)
 std::vector<std::string> ScanFolder::remarks() const
 {
   auto all = remarks_;
-  if (const auto why = clock_.why_none(); !why.empty()) all.push_back(layout_.label + ": " + why);
+  if (const auto said = clock_.remark(); !said.empty()) all.push_back(layout_.label + ": " + said);
   if (broken_times_ > 0)
     all.push_back(
         layout_.label + ": " + std::to_string(broken_times_) +

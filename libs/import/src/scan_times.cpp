@@ -146,6 +146,9 @@ std::vector<std::size_t> lines_of_scans(
 std::vector<std::string> numbers_of_names(const std::vector<std::string>& scans)
 {
   constexpr std::size_t kSeconds = 10, kNanoseconds = 9;
+  constexpr const char* kDigits = "0123456789";
+  const std::string first = name_of(scans.front()),
+                    word = first.substr(0, std::min(first.size(), first.find_first_of(kDigits)));
   std::vector<std::string> names;
   bool has_lines = false, is_count = true;  // of nanoseconds: none begins with a zero, but 0
   std::size_t longest = 0;
@@ -153,10 +156,12 @@ std::vector<std::string> numbers_of_names(const std::vector<std::string>& scans)
   {
     names.push_back(name_of(scan));
     std::string& name = names.back();
+    if (name.compare(0, word.size(), word) != 0) return {};
+    name.erase(0, word.size());
     const auto line = name.find('_');
     has_lines |= line == kSeconds;
     if (line == kSeconds) name[line] = '.';
-    const bool is_plain = name.find_first_not_of("0123456789.") == std::string::npos;
+    const bool is_plain = name.find_first_not_of(".0123456789") == std::string::npos;
     if (!is_plain || !number_from(name)) return {};
     if (name.find('.') != kSeconds) is_count = false;
     const auto fraction = name.substr(std::min(kSeconds + 1, name.size()));
@@ -178,9 +183,10 @@ std::vector<double> times_of_names(const std::vector<std::string>& scans)
   {
     auto time_s = time_of_compact(name_of(scans[i]));
     if (!time_s && numbers.empty()) return {};
-    // Of digits and a point: 1e9 is the year 2001, what is less may be a number of a scan.
+    // 1e9 is the year 2001; what is less and has no point may be a number of a scan.
     const double value = time_s ? *time_s : number_from(numbers[i]).value_or(0);
-    if (value < 1e9 || value > 1e19) return {};
+    const bool is_count = !time_s && numbers[i].find('.') == std::string::npos;
+    if ((is_count && value < 1e9) || value > 1e19) return {};
     const double unit_s = value >= 1e17 ? 1e-9 : value >= 1e14 ? 1e-6 : value >= 1e11 ? 1e-3 : 1;
     times_s.push_back(value * unit_s);
     if (times_s.size() > 1 && times_s.back() <= times_s[times_s.size() - 2]) return {};

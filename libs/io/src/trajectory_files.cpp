@@ -76,7 +76,7 @@ std::array<double, 8> parse_numbers(
         is_of_kitti ? "A pose of KITTI has no time, and goes with a folder of scans (talus-map "
                       "FOLDER --poses FILE); for a log or a bag make TUM lines of it, with the "
                       "times of the scans"
-                    : "Correct or delete the line");
+                    : "Correct or delete the line; numbers are separated by blanks");
   std::array<double, 8> v{};
   for (std::size_t i = 0; i < v.size(); ++i)
   {
