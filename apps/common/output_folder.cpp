@@ -41,17 +41,6 @@ std::vector<fs::path> files_below(const fs::path& folder)
   return files;
 }
 
-/** Whether a file of this name is that of another floor or island of the one that is sealed. */
-bool is_part(const fs::path& name, const fs::path& sealed)
-{
-  const std::string stem = sealed.stem().string(), whole = name.filename().string();
-  static const std::regex number("((_floor|_island)_[0-9]+){1,2}\\.[a-z]+");
-  return whole.rfind(stem, 0) == 0 &&
-         (name.extension() == sealed.extension() ||
-          (name.extension() == ".png" && sealed.extension() == ".tif")) &&
-         std::regex_match(whole.substr(stem.size()), number);
-}
-
 /** What of a run before would be taken for a part of the results. */
 std::vector<fs::path> outdated(const fs::path& hidden, const std::set<std::string>& seals)
 {
@@ -182,6 +171,15 @@ bool is_export(const fs::path& name, const std::string& map)
     for (const std::string& ending : format.endings)
       if (stem.suffix() == ending) return true;
   return false;
+}
+
+bool is_part(const fs::path& name, const fs::path& map)
+{
+  const std::string stem = map.stem().string(), whole = name.filename().string();
+  static const std::regex number("((_floor|_island)_[0-9]+){1,2}\\.(tiff?|png)");
+  const bool ends_with_tif = matches(map.extension(), std::regex("\\.tiff?"));
+  return ends_with_tif && whole.rfind(stem, 0) == 0 &&
+         std::regex_match(whole.substr(stem.size()), number);
 }
 
 bool is_site_map(const fs::path& name)

@@ -70,6 +70,9 @@ bool is_site_file(const std::filesystem::path& name);
  * site also those of its floors and islands. */
 bool is_export(const std::filesystem::path& name, const std::string& map = "site");
 
+/** Whether a file of this name is that of another floor or island of a map, or its picture. */
+bool is_part(const std::filesystem::path& name, const std::filesystem::path& map);
+
 /** Whether a file of this name is site.tif, or that of another floor or island. */
 bool is_site_map(const std::filesystem::path& name);
 

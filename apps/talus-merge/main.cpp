@@ -295,6 +295,11 @@ void require_files_apart(const Options& o)
         ": call the map of all NAME.tif; NAME_floor_1.tif and NAME_island_1.tif are parts of " +
         "another one");
   talus::io::require_replaceable(o.output);
+  for (const std::string& input : o.inputs)
+    if (app::is_part(input, o.output) && app::is_same_file(folder_of(input), folder_of(o.output)))
+      throw std::runtime_error(
+          input + ": would be replaced as a part of " + o.output +
+          ", with which it is read: leave it out, or write elsewhere");
   app::require_apart("", {way_file_of(o.output)}, o.inputs);
   if (o.picture.empty()) return;
   talus::io::require_replaceable(o.picture);

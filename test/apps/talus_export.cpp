@@ -159,6 +159,23 @@ TEST_F(TalusExport, a_site_is_exported_with_its_floors)
   EXPECT_TRUE(std::filesystem::exists(dir_ / "out/two_floor_1.yaml"));
 }
 
+TEST_F(TalusExport, of_a_site_with_a_flipped_bit_or_of_a_part_whose_name_is_that_of_a_floor)
+{
+  site::Site site(0.05, std::size_t{64} << 20, dir_ / "tiles");
+  cell_at(site, 0, 0) = measured(1);
+  site::write_site_files(dir_ / "whole.tif", "", site);
+  std::string bytes = read_bytes(dir_ / "whole.tif");
+  const std::size_t sums = bytes.find("TALUS_TILE_SUMS");
+  bytes[bytes.find("</Item>", sums) - 1] ^= 1;  // of what the cells must sum to
+  write_bytes(dir_ / "whole.tif", bytes);
+  fails("whole.tif --to ros", 1, {"whole.tif: its cells near (3, 3) m are not those"});
+
+  std::filesystem::copy_file(dir_ / "site.tif", dir_ / "site_floor_1.tif");
+  runs("site_floor_1.tif --to ply");
+  runs("site.tif --to ply,octomap --quiet");
+  EXPECT_TRUE(exists("site_floor_1.ply")) << "it is of another map";
+}
+
 TEST_F(TalusExport, replaces_no_input_and_no_file_of_its_own)
 {
   std::filesystem::create_directories(dir_ / "friday");
@@ -250,6 +267,12 @@ TEST_F(TalusExport, says_what_is_wrong)
     io::write_geotiff(dir_ / "high.tif", high);
     fails("high.tif --to ply", 1, {"high.tif", "'elevation' has the value", "make it anew"});
   }
+  io::LayerStack mean = small_terrain();
+  for (std::size_t i = 0; i < mean.names.size(); ++i)
+    if (mean.names[i] == "state") mean.layers[i][5] = 1.5F;
+  io::write_geotiff(dir_ / "mean.tif", mean);
+  fails("mean.tif --to octomap", 1, {"mean.tif", "'state' has the value 1.5"});
+  EXPECT_EQ(runs("site.tif --to octomap --quiet").text, "");
   io::LayerStack elsewhere = small_terrain();
   elsewhere.min_x_m += 100;
   io::write_geotiff(dir_ / "elsewhere.tif", elsewhere);

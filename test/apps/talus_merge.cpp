@@ -177,6 +177,9 @@ TEST_F(TalusMerge, says_what_is_wrong_with_an_input_and_leaves_what_was_there)
     fails("a.tif --output new.tif --picture " + std::string(name), 1, {name, "NAME.png"});
   for (const char* name : {"new", "new.png", "new_island_1.tif", "new_floor_2.tif"})
     fails("a.tif --output " + std::string(name), 1, {name, "call the map of all NAME.tif"});
+  fs::copy_file(dir_ / "a.tif", dir_ / "new_floor_1.tif");
+  fails("new_floor_1.tif a.tif --output new.tif", 1, {"new_floor_1.tif", "as a part of new.tif"});
+  EXPECT_TRUE(fs::exists(dir_ / "new_floor_1.tif"));
   EXPECT_EQ(read_bytes(dir_ / "a.tif"), a);
   write_map("far.tif", 1000, 100'000, 1.0F);
   fails("--changes a.tif far.tif --output out", 1, {"no place in common"});

@@ -143,13 +143,34 @@ TEST(Formats, far_coordinates_are_less_by_an_origin_that_is_named)
   EXPECT_LT(grid.getPos(124.05F, -453.95F), 0.1F);
 }
 
+TEST(Formats, the_occupancy_grid_has_its_cells_where_the_map_has_them)
+{
+  const ScratchDir dir;
+  io::LayerStack map = small_terrain();
+  map.resolution_m = 0.15;
+  map.min_x_m = 548000.05;
+  map.min_y_m = 0.07;
+  const FileOrigin origin = origin_for(map);
+  EXPECT_NEAR(std::remainder(map.min_x_m - origin.x_m, 0.15), 0, 1e-6);
+  EXPECT_NEAR(origin.x_m, 548000, 0.15);
+  expect_error(
+      [&] { write_occupancy_grid(dir / "m.gz", map, {}, origin); },
+      {"whole multiples of its cells", "548000.05,0.07", "--origin"});
+  write_occupancy_grid(dir / "m.gz", map, {}, {origin.x_m, 0.07, 0});
+  mrpt::maps::COccupancyGridMap2D grid;
+  mrpt::io::CFileGZInputStream stream(dir / "m.gz");
+  mrpt::serialization::archiveFrom(stream) >> grid;
+  EXPECT_NEAR(grid.getXMin(), map.min_x_m - origin.x_m, 1e-3);
+}
+
 TEST(Formats, files_of_a_map_by_strips_are_those_of_the_whole)
 {
   io::LayerStack map = small_terrain();
+  map.cells_x = 4100;  // two pieces, as files are read
   map.cells_y = 700;
   map.resolution_m = 0.125;  // so that no number is rounded
   for (auto& layer : map.layers)
-    while (layer.size() < 60U * 700U) layer.push_back(layer[layer.size() % 2391]);
+    while (layer.size() < 4100U * 700U) layer.push_back(layer[layer.size() % 2391]);
   const ScratchDir dir;
   io::write_geotiff(dir / "map.tif", map);
   const io::GeotiffFile file(dir / "map.tif");
@@ -174,6 +195,28 @@ TEST(Formats, files_of_a_map_by_strips_are_those_of_the_whole)
     return bytes;
   };
   EXPECT_TRUE(files(whole) == files(strips));
+}
+
+TEST(Formats, a_wide_map_has_strips_of_fewer_rows)
+{
+  io::LayerStack map;
+  map.cells_x = 70'000;
+  map.cells_y = 250;
+  map.resolution_m = 0.125;
+  map.names = {"traversability"};
+  map.layers = {std::vector<float>(17'500'000, 1.0F)};
+  const ScratchDir dir;
+  io::write_geotiff(dir / "map.tif", map);
+  const io::GeotiffFile file(dir / "map.tif");
+  const MapStrips strips(file, map.names);
+  std::size_t cells = 0;
+  strips.for_each(
+      [&](const Strip& strip)
+      {
+        cells += strip.map.layers[0].size();
+        EXPECT_LE(strip.map.layers[0].size(), std::size_t{16} << 20);
+      });
+  EXPECT_EQ(cells, 17'500'000U);
 }
 
 TEST(Formats, a_layer_that_is_missing_is_named)

@@ -122,6 +122,32 @@ TEST(GeoTiff, of_degrees_or_with_a_value_for_no_data_is_refused)
   expect_error([&] { read_geotiff(dir / "map.tif"); }, {"map.tif", "value 0 no data", "NaN"});
   convert([](GDALDataset& d) { d.GetRasterBand(1)->SetNoDataValue(-9999); });
   EXPECT_NO_THROW(read_geotiff(dir / "map.tif"));
+  convert(
+      [](GDALDataset& d)
+      {
+        OGRSpatialReference of_web_maps;
+        of_web_maps.importFromEPSG(3857);
+        d.SetSpatialRef(&of_web_maps);
+      });
+  expect_error([&] { read_geotiff(dir / "map.tif"); }, {"map.tif", "other units", "gdalwarp"});
+}
+
+TEST(GeoTiff, that_was_brought_to_another_system_has_no_origin_of_the_map_frame)
+{
+  const ScratchDir dir;
+  write_geotiff(dir / "map.tif", small_stack(), {}, GeoOrigin{36.8, -2.4, 52, 30});
+  EXPECT_TRUE(GeotiffFile(dir / "map.tif").origin());
+  EXPECT_NEAR(GeotiffFile(dir / "map.tif").frame().min_x_m, -1.5, 1e-9);
+  GDALAllRegister();
+  auto* data = static_cast<GDALDataset*>(GDALOpen((dir / "map.tif").c_str(), GA_Update));
+  OGRSpatialReference utm;
+  utm.importFromEPSG(32630);
+  data->SetSpatialRef(&utm);
+  double north_up[] = {553091, 0.25, 0, 4077093, 0, -0.25};
+  data->SetGeoTransform(north_up);
+  GDALClose(data);
+  EXPECT_FALSE(GeotiffFile(dir / "map.tif").origin());
+  EXPECT_EQ(GeotiffFile(dir / "map.tif").frame().min_x_m, 553091);
 }
 
 TEST(GeoTiff, has_the_bands_of_all_maps_first_with_units_statistics_and_classes)

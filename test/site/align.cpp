@@ -52,6 +52,10 @@ double posts(double x, double y)
              ? 0.8
              : 0;
 }
+double posts_and_the_same_half_a_turn_on(double x, double y)
+{
+  return std::max(posts(x, y), posts(-x, -y));
+}
 /** Ten, at other places for each kind. */
 template <int kKind>
 double people(double x, double y)
@@ -150,6 +154,16 @@ TEST_F(Align, drives_that_began_half_a_turn_apart_come_together)
     EXPECT_NEAR(a.shift.x_m, frame.x_m, 1e-9);
     EXPECT_NEAR(a.shift.y_m, frame.y_m, 1e-9);
   }
+}
+
+TEST_F(Align, of_two_places_that_fit_as_well_none_is_told)
+{
+  write("a.tif", {level, posts_and_the_same_half_a_turn_on}, 1);
+  write("b.tif", {level, posts_and_the_same_half_a_turn_on}, 2, {0.2, -0.1, 0.05, M_PI / 2});
+  const Alignment a = aligned();
+  EXPECT_EQ(a.untold, (Names{"x", "y", "yaw"}));
+  EXPECT_FALSE(a.shift.moves_cells());
+  EXPECT_NEAR(a.shift.z_m, 0.05, 0.001);
 }
 
 TEST_F(Align, drives_that_began_elsewhere_come_together)

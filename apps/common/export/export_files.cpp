@@ -16,6 +16,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fs = std::filesystem;
@@ -49,13 +50,23 @@ std::optional<double> seen_s(const io::GeotiffFile& file)
   return of_site ? of_site : number_from(file.item("STAMP_S"));  // of a window
 }
 
-std::vector<std::vector<PagePoint>> ways_of(const io::GeotiffFile& file)
+/** Those that come over the map: a part of it, or one that was moved, tells of all that was driven.
+ */
+std::vector<std::vector<PagePoint>> ways_of(const io::GeotiffFile& file, const LayerStack& place)
 {
   std::vector<std::vector<PagePoint>> ways;
   for (const auto& way : site::ways_of_site(file))
   {
-    auto& points = ways.emplace_back();
-    for (const site::WayPoint& p : way) points.push_back({p.x_m, p.y_m, p.z_m});
+    std::vector<PagePoint> points;
+    bool is_here = false;
+    for (const site::WayPoint& p : way)
+    {
+      points.push_back({p.x_m, p.y_m, p.z_m});
+      is_here |= p.x_m >= place.min_x_m && p.y_m >= place.min_y_m &&
+                 p.x_m <= place.min_x_m + place.cells_x * place.resolution_m &&
+                 p.y_m <= place.min_y_m + place.cells_y * place.resolution_m;
+    }
+    if (is_here) ways.push_back(std::move(points));
   }
   return ways;
 }
@@ -77,11 +88,11 @@ void write_html(
   PageOptions page;
   page.title = title;
   if (const auto stamp_s = seen_s(file)) page.date = io::date_text(*stamp_s);
-  page.ways = ways_of(file);
   page.origin = file.origin();
   page.max_bytes = o.max_mb << 20;
   for (const std::string& name : channel_bands(file.bands())) bands.push_back(name);
   const PageMap shown = page_map_of(file, MapStrips(file, bands).frame());
+  page.ways = ways_of(file, shown.place);
   if (o.changes.empty()) return write_page(path, shown, page);
   const io::GeotiffFile changes(o.changes);
   LayerStack frame = changes.frame();
@@ -166,7 +177,11 @@ std::vector<std::string> files_of_map(const std::string& geotiff)
 {
   if (!site::is_site(io::GeotiffFile(geotiff))) return {geotiff};
   std::vector<std::string> files;
-  for (const site::SitePart& part : site::parts_of_site(geotiff, 0)) files.push_back(part.path);
+  for (const site::SitePart& part : site::parts_of_site(geotiff, 0))
+  {
+    site::require_whole(part.path);
+    files.push_back(part.path);
+  }
   return files;
 }
 

@@ -271,34 +271,52 @@ Registration registered_from(const Task& task, const Pose& start)
 }  // namespace
 
 /** Drives that began the other way round lie half a turn apart, or a quarter; those that began
- * elsewhere lie anywhere. Maps that share no ground as they lie may have none in common. */
+ * elsewhere lie anywhere. Maps that share no ground as they lie may have none in common. Of two
+ * places that fit as well, as in a room that looks the same from both ends, neither is told. */
 Registration registered(const Task& task)
 {
-  Registration best = registered_from(task, first_pose(task, 0));
+  const Pose as_it_lies = first_pose(task, 0);
+  Registration best = registered_from(task, as_it_lies);
   const bool shares_ground = best.overlaps;
+  bool is_moved = false, is_one_of_several = false;
   Standing fit = shares_ground ? standing_at(task, best.pose) : Standing{0, 0};
   const auto try_from = [&](const Pose& start, const auto& is_better)
   {
     const Registration r = registered_from(task, start);
     if (!r.overlaps || !r.untold.empty()) return;
     const Standing its = standing_at(task, r.pose);
-    if (its.same < kMinStanding || !is_better(its)) return;
+    if (its.same < kMinStanding) return;
+    if (!is_better(its))
+    {
+      is_one_of_several |= is_moved && r.pose.turn_rad != best.pose.turn_rad &&
+                           its.seen * its.same > fit.seen * fit.same - kMinTurnGain;
+      return;
+    }
     best = r;
     fit = its;
+    is_moved = true;
+    is_one_of_several = false;
+  };
+  const auto told = [&]
+  {
+    if (!is_one_of_several) return best;
+    Registration none{as_it_lies, as_it_lies, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    none.pose.v[3] = none.fine.v[3] = height_at(task, as_it_lies).median_m;
+    return none;
   };
   if (fit.same <= kMinStanding)
     for (const double turn_rad : {kHalfTurn, kHalfTurn / 2, -kHalfTurn / 2})
       try_from(
           first_pose(task, turn_rad),
           [&](const Standing& its) { return its.same >= fit.same + kMinTurnGain; });
-  if (!shares_ground || (fit.same > kMinStanding && fit.seen > kSureSeen)) return best;
+  if (!shares_ground || (fit.same > kMinStanding && fit.seen > kSureSeen)) return told();
   for (const Pose& start : best_anywhere(task))
     try_from(
         start,
         [&](const Standing& its) {
           return its.seen > kMinSeen && its.seen * its.same > fit.seen * fit.same + kMinSeen / 2;
         });
-  return best;
+  return told();
 }
 
 }  // namespace talus::align

@@ -11,7 +11,9 @@ namespace talus::formats
 {
 namespace
 {
-constexpr int kRows = 256;  // as the blocks of a site have: each is unpacked once
+constexpr int kBlock = 256;  // cells along a side of the blocks of a site
+constexpr int kColumns = 16 * kBlock;  // that are read at once; those without blocks cost little
+constexpr std::size_t kStripValues = std::size_t{16} << 20;  // of a wide map: fewer rows
 
 io::LayerStack joined_frame(io::LayerStack frame)
 {
@@ -47,19 +49,43 @@ MapStrips::MapStrips(const io::GeotiffFile& file, const std::vector<std::string>
 void MapStrips::for_each(const std::function<void(const Strip&)>& f, int margin) const
 {
   if (whole_) return f({*whole_, 0, 0, whole_->cells_y});
-  const int side = 1 << joins_, rows = std::max(1, kRows / side);
-  const io::LayerStack all = file_->frame();
+  const std::size_t of_row = frame_.names.size() * static_cast<std::size_t>(frame_.cells_x);
+  const int most = static_cast<int>(std::min<std::size_t>(kBlock, kStripValues / of_row));
+  const int rows = std::max(1, most >> joins_);
   for (int row = 0; row < frame_.cells_y; row += rows)
   {
     const int first = std::max(0, row - margin);
     const int begin = row - first, end = std::min(rows, frame_.cells_y - row) + begin;
     const int last = std::min(end + margin + first, frame_.cells_y);
-    const int count = std::min(last * side, all.cells_y) - first * side;
-    io::LayerStack strip = file_->read_part(0, first * side, all.cells_x, count, bands_);
-    require_sound_cells(strip, file_->path());
-    for (int i = 0; i < joins_; ++i) strip = joined_cells(strip);
-    f({strip, first, begin, end});
+    f({rows_of_file(first, last), first, begin, end});
   }
+}
+
+io::LayerStack MapStrips::rows_of_file(int first, int last) const
+{
+  const int side = 1 << joins_, columns = std::max(1, kColumns / side);
+  const io::LayerStack all = file_->frame();
+  io::LayerStack rows = frame_;
+  rows.cells_y = last - first;
+  rows.min_y_m += first * side * all.resolution_m;
+  const auto cells =
+      static_cast<std::size_t>(rows.cells_x) * static_cast<std::size_t>(rows.cells_y);
+  rows.layers.resize(rows.names.size(), std::vector<float>(cells));
+  for (int column = 0; column < rows.cells_x; column += columns)
+  {
+    const int x = column * side, y = first * side;
+    io::LayerStack part = file_->read_part(
+        x, y, std::min(columns * side, all.cells_x - x), std::min(last * side, all.cells_y) - y,
+        bands_);
+    require_sound_cells(part, file_->path());
+    for (int i = 0; i < joins_; ++i) part = joined_cells(part);
+    for (std::size_t k = 0; k < rows.layers.size(); ++k)
+      for (int iy = 0; iy < part.cells_y; ++iy)
+        std::copy_n(
+            part.layers[k].begin() + std::ptrdiff_t{iy} * part.cells_x, part.cells_x,
+            rows.layers[k].begin() + std::ptrdiff_t{iy} * rows.cells_x + column);
+  }
+  return rows;
 }
 
 MapStrips MapStrips::joined() const

@@ -2,6 +2,7 @@
 #include <talus/formats/write.h>
 #include <talus/io/atomic_file.h>
 #include <talus/io/packed_log.h>
+#include <talus/number_text.h>
 
 #include "close_islands.h"
 #include "needed_layer.h"
@@ -22,18 +23,16 @@ void fill(
   const io::LayerStack& map = of.frame();
   const double min_x_m = map.min_x_m - at.x_m, min_y_m = map.min_y_m - at.y_m;
   const Kinds kinds = kinds_of(of, o);
-  const auto border = [&](double m)
-  {
-    if (std::abs(static_cast<float>(m) - m) > map.resolution_m / 10)
-      throw std::runtime_error(
-          "MRPT's occupancy grid has borders of 32 bit, which are rounded so far away: take an "
-          "origin near the map off (--origin)");
-    return static_cast<float>(m);
-  };
+  const auto border = [&](double m, int cells)
+  { return static_cast<float>(m + cells * map.resolution_m); };
   out.setSize(
-      border(min_x_m), border(min_x_m + map.cells_x * map.resolution_m), border(min_y_m),
-      border(min_y_m + map.cells_y * map.resolution_m), static_cast<float>(map.resolution_m),
-      kUnknown);
+      border(min_x_m, 0), border(min_x_m, map.cells_x), border(min_y_m, 0),
+      border(min_y_m, map.cells_y), static_cast<float>(map.resolution_m), kUnknown);
+  if (std::hypot(out.getXMin() - min_x_m, out.getYMin() - min_y_m) > map.resolution_m / 10)
+    throw std::runtime_error(
+        "MRPT's occupancy grid has borders of 32 bit at whole multiples of its cells, which would "
+        "move this map: take an origin off (--origin) that is whole cells from its corner, " +
+        exact_number_text(map.min_x_m) + "," + exact_number_text(map.min_y_m) + ", and near it");
   for_each_cell(
       map,
       [&](std::size_t i, int ix, int iy)

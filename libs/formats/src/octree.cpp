@@ -112,11 +112,13 @@ std::string write_octomap(
       joined_until([&](const MapStrips& m) { return reaches_all(m, clearance_m, origin); }, map);
   octomap::OcTree tree(shown.frame().resolution_m);
   fill(shown, clearance_m, origin, tree);
-  std::ostringstream stream;
-  if (!tree.writeBinaryConst(stream)) throw std::runtime_error(path + ": OctoMap cannot write it");
-  std::string bytes = stream.str();
-  if (moves(origin)) bytes.insert(bytes.find('\n') + 1, "# origin_m: " + text_of(origin) + "\n");
-  io::write_file(path, bytes);
+  std::ostringstream bytes;  // with a head of our own: writeBinaryConst() says "done."
+  bytes << "# Octomap OcTree binary file\n";
+  if (moves(origin)) bytes << "# origin_m: " << text_of(origin) << "\n";
+  bytes << "id OcTree\nsize " << tree.size() << "\nres " << number_text(tree.getResolution())
+        << "\ndata\n";
+  if (tree.size() > 0) tree.writeBinaryData(bytes);
+  io::write_file(path, bytes.str());
   const double made_m = shown.frame().resolution_m, resolution_m = map.frame().resolution_m;
   if (made_m == resolution_m) return "";
   return path + ": its voxels are " + number_text(made_m) + " m wide, not " +

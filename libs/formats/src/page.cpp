@@ -359,7 +359,8 @@ class PageCells
 };
 
 /** Nothing where it would be larger than wanted. */
-std::optional<std::string> page_of(const PageCells& cells, const PageOptions& o)
+std::optional<std::string> page_of(
+    const std::string& path, const PageCells& cells, const PageOptions& o)
 {
   const auto& place = cells.place();
   std::string tiles;
@@ -378,7 +379,7 @@ std::optional<std::string> page_of(const PageCells& cells, const PageOptions& o)
       if (bytes > o.max_bytes / 4 * 3) return std::nullopt;  // before base64
       tiles += (tiles.empty() ? "" : ",\n") + text_of(*tile);
     }
-  if (known == 0) throw std::runtime_error("no cell of the map is known");
+  if (known == 0) throw std::runtime_error(path + ": no cell of the map is known");
   json data = data_of(o.title, place, kPageTile_cells);
   data["about"] = about(static_cast<double>(known) * place.resolution_m * place.resolution_m, o);
   data["oldest_s"] = oldest_s;
@@ -466,7 +467,7 @@ void write_page(const std::string& path, const PageMap& map, const PageOptions& 
   for (int joins = 0;; ++joins)
   {
     const PageCells cells(map, options.changes, joins);
-    if (const auto page = page_of(cells, options)) return io::write_file(path, *page);
+    if (const auto page = page_of(path, cells, options)) return io::write_file(path, *page);
     if (std::min(cells.place().cells_x, cells.place().cells_y) < kMinCells) break;
   }
   throw std::runtime_error(path + ": no page is as small as that: give more with --max-mb");

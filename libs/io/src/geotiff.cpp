@@ -82,6 +82,16 @@ bool write_band(GDALRasterBand& band, const std::string& name, std::vector<float
          CE_None;
 }
 
+/** Of the map frame; none where another program has brought the file to another system. */
+std::optional<GeoOrigin> origin_of(GDALDataset& dataset)
+{
+  const char* const text = dataset.GetMetadataItem(kOriginItem);
+  const auto origin = origin_from(text ? text : "");
+  const OGRSpatialReference* const crs = dataset.GetSpatialRef();
+  const OGRSpatialReference written = crs_of(origin);
+  return !crs || crs->IsSame(&written) ? origin : std::nullopt;
+}
+
 /** Turns back what lies on Earth; false where it then is not north up with square cells. */
 bool to_map_frame(double (&t)[6], const std::optional<GeoOrigin>& origin)
 {
@@ -103,7 +113,9 @@ void require_metres(GDALDataset& dataset, const std::string& path, double cell)
   constexpr double kMinCell_m = 1e-3;
   const OGRSpatialReference* const crs = dataset.GetSpatialRef();
   const bool is_geographic = crs && crs->IsGeographic();
-  const bool is_other = crs && !is_geographic && crs->GetLinearUnits() != 1;
+  const char* const projection = crs ? crs->GetAttrValue("PROJECTION") : nullptr;
+  const bool is_stretched = projection && EQUALN(projection, "Mercator", 8);  // with the latitude
+  const bool is_other = crs && !is_geographic && (crs->GetLinearUnits() != 1 || is_stretched);
   if (is_geographic || is_other || cell < kMinCell_m)
     throw std::runtime_error(
         path + ": its cells are " + number_text(cell) +
@@ -118,11 +130,12 @@ void require_metres(GDALDataset& dataset, const std::string& path, double cell)
 LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErrors& errors)
 {
   constexpr std::int64_t kMaxCells = std::int64_t{1} << 30;  // 4 GB a band
-  const char* const text = dataset.GetMetadataItem(kOriginItem);
   double t[6];
-  if (dataset.GetGeoTransform(t) != CE_None || !to_map_frame(t, origin_from(text ? text : "")) ||
+  if (dataset.GetGeoTransform(t) != CE_None || !to_map_frame(t, origin_of(dataset)) ||
       !(t[1] > 0) || !std::isfinite(t[0] + t[3]))
-    fail(path, "not a north-up GeoTIFF with square cells", errors);
+    fail(
+        path, "not a GeoTIFF with square cells and its y axis up: gdalwarp -tr SIZE SIZE makes one",
+        errors);
   require_metres(dataset, path, t[1]);
   LayerStack stack;
   stack.cells_x = dataset.GetRasterXSize();
@@ -228,6 +241,7 @@ struct GeotiffFile::Impl
   std::string path;
   GdalErrors errors;
   DatasetPtr dataset;
+  std::optional<LayerStack> place{};  //!< once it was asked for: its system takes long to look at
 };
 
 GeotiffFile::GeotiffFile(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
@@ -246,14 +260,15 @@ std::string GeotiffFile::item(const char* name) const
   return text ? text : "";
 }
 
-std::optional<GeoOrigin> GeotiffFile::origin() const { return origin_from(item(kOriginItem)); }
+std::optional<GeoOrigin> GeotiffFile::origin() const { return origin_of(*impl_->dataset); }
 
 const std::string& GeotiffFile::path() const { return impl_->path; }
 
 LayerStack GeotiffFile::frame() const
 {
   require_plain_floats(*impl_->dataset, impl_->path);
-  return place_of(*impl_->dataset, impl_->path, impl_->errors);
+  if (!impl_->place) impl_->place = place_of(*impl_->dataset, impl_->path, impl_->errors);
+  return *impl_->place;
 }
 
 LayerStack GeotiffFile::read(const std::vector<std::string>& bands) const

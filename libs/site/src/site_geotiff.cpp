@@ -81,13 +81,12 @@ void check_extent(const std::string& path, const TilePyramid& pyramid, int floor
         " cells, more than a GeoTIFF can hold: did a pose jump? Else divide the drive");
 }
 
-/** To its end: not every version of GDAL reports where the disk was full. */
+/** Not every version of GDAL reports where the disk was full. */
 bool can_be_read(const std::string& path)
 {
   try
   {
-    SiteReader reader(path);
-    for (const SiteReader::TileIndex& at : reader.tiles()) reader.check(at);
+    require_whole(path);
     return true;
   }
   catch (const std::runtime_error&)
@@ -150,6 +149,13 @@ void read_site(const std::string& path, Site& site, int floor, const MapShift& s
     if (has_values) put_values(*values, places, site.channel_tiles.at(key));
   }
   for (auto& way : ways) site.ways.push_back(std::move(way));
+}
+
+void require_whole(const std::string& path)
+{
+  const io::GdalCacheLimit limit;
+  SiteReader reader(path);
+  for (const SiteReader::TileIndex& at : reader.tiles()) reader.check(at);
 }
 
 SiteInfo info_of_site(const std::string& path) { return SiteReader(path).info(); }

@@ -43,6 +43,8 @@ class MapStrips
   io::LayerStack whole() const;
 
  private:
+  io::LayerStack rows_of_file(int first, int last) const;
+
   io::LayerStack frame_;
   const io::LayerStack* whole_ = nullptr;
   std::shared_ptr<const io::LayerStack> owned_;

@@ -25,6 +25,9 @@ void write_site(
  * Throws std::runtime_error that names the file and what is wrong. */
 void read_site(const std::string& path, Site& site, int floor, const MapShift& shift = MapShift());
 
+/** Reads it to its end; throws as read_site(), also where a cell is not as it was written. */
+void require_whole(const std::string& path);
+
 /** What such a file says beside its cells. */
 struct SiteInfo
 {
