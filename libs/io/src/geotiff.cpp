@@ -134,8 +134,7 @@ LayerStack place_of(GDALDataset& dataset, const std::string& path, const GdalErr
   if (dataset.GetGeoTransform(t) != CE_None || !to_map_frame(t, origin_of(dataset)) ||
       !(t[1] > 0) || !std::isfinite(t[0] + t[3]))
     fail(
-        path, "not a GeoTIFF with square cells and its y axis up: gdalwarp -tr SIZE SIZE makes one",
-        errors);
+        path, "not a north-up GeoTIFF with square cells; gdalwarp -tr SIZE SIZE makes one", errors);
   require_metres(dataset, path, t[1]);
   LayerStack stack;
   stack.cells_x = dataset.GetRasterXSize();

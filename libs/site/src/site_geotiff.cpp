@@ -81,12 +81,13 @@ void check_extent(const std::string& path, const TilePyramid& pyramid, int floor
         " cells, more than a GeoTIFF can hold: did a pose jump? Else divide the drive");
 }
 
-/** Not every version of GDAL reports where the disk was full. */
+/** To its end: not every version of GDAL reports where the disk was full. */
 bool can_be_read(const std::string& path)
 {
   try
   {
-    require_whole(path);
+    SiteReader reader(path);
+    for (const SiteReader::TileIndex& at : reader.tiles()) reader.check(at);
     return true;
   }
   catch (const std::runtime_error&)
@@ -155,7 +156,8 @@ void require_whole(const std::string& path)
 {
   const io::GdalCacheLimit limit;
   SiteReader reader(path);
-  for (const SiteReader::TileIndex& at : reader.tiles()) reader.check(at);
+  const auto cells = std::make_unique<Tile>();
+  for (const SiteReader::TileIndex& at : reader.tiles()) reader.read(at, *cells);
 }
 
 SiteInfo info_of_site(const std::string& path) { return SiteReader(path).info(); }
