@@ -141,7 +141,8 @@ void OutputFolder::commit(const std::set<std::string>& seals)
     const std::vector<fs::path> files = files_below(hidden);
     for (const fs::path& file : files) make_room_for(folder_ / file);
     const std::vector<fs::path> old = outdated(hidden, seals);
-    for (auto seal = seals.rbegin(); seal != seals.rend(); ++seal) fs::remove(folder_ / *seal);
+    if (files.size() > 1 || !old.empty())  // one file takes the place of another at once
+      for (auto seal = seals.rbegin(); seal != seals.rend(); ++seal) fs::remove(folder_ / *seal);
     for (const fs::path& file : old) fs::remove(file);
     for (const fs::path& file : files)
       if (seals.count(file.string()) == 0) fs::rename(hidden / file, folder_ / file);

@@ -26,7 +26,8 @@ void require_sound_cells(const io::LayerStack& map, const std::string& path)
     const auto* values = map.find(layer_name(layer));
     if (!values) return;
     for (const float v : *values)
-      if (v < least || v > most || (whole && v != std::round(v) && !std::isnan(v)))
+      if (v < least || v > most || std::fpclassify(v) == FP_SUBNORMAL ||  // bytes in another order
+          (whole && v != std::round(v) && !std::isnan(v)))
         throw std::runtime_error(
             path + ": its band '" + layer_name(layer) + "' has the value " + number_text(v) +
             ", which no map has: copy it again, or make it anew");
