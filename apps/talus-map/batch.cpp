@@ -109,9 +109,8 @@ class Batch
       std::cout << jobs_.size() << " logs: " << jobs_.size() - failed_.size() << " done, "
                 << failed_.size() << " failed\n";
     if (failed_.empty()) return;
-    std::string list;
-    for (const auto& log : failed_) list += "\n  " + log;
-    print_error(std::to_string(failed_.size()) + " of the logs failed:" + list);
+    print_error(std::to_string(failed_.size()) + " of the logs failed:");
+    for (const auto& log : failed_) std::cerr << "  " << log << "\n";
   }
 
   std::vector<Job> jobs_;
