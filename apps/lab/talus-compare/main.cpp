@@ -27,10 +27,10 @@ using namespace talus::baselines;
 
 constexpr const char* kSeal = "comparison.json";
 
-/** The texts among the results, and the pictures. */
+/** The texts among the results, and the picture. */
 constexpr std::pair<const char*, std::string (*)(const Comparison&)> kTexts[]{
     {"tables.md", tables_markdown}, {kSeal, comparison_json}};
-constexpr const char* kPictures[]{"maps.png", "fills.png", "calibration_of_heights.png"};
+constexpr const char* kPicture = "maps.png";
 
 constexpr const char* kLessToCompare = "Try a shorter log or way, or fewer --methods";
 
@@ -165,7 +165,7 @@ void require_outputs_apart(const CommandOptions& o)
 {
   std::vector<std::string> outputs;
   for (const auto& text : kTexts) outputs.push_back((fs::path(o.output) / text.first).string());
-  for (const char* name : kPictures) outputs.push_back((fs::path(o.output) / name).string());
+  outputs.push_back((fs::path(o.output) / kPicture).string());
   std::vector<std::string> inputs = o.inputs;
   for (const std::string& more : {o.world, o.truth, o.log.trajectory, o.config, o.expected})
     inputs.push_back(more);
@@ -177,9 +177,7 @@ void write_results(const Comparison& c, const talus::app::OutputFolder& folder)
 {
   const fs::path to(folder.staging());
   for (const auto& [name, text] : kTexts) talus::io::write_file((to / name).string(), text(c));
-  write_maps_picture((to / kPictures[0]).string(), c.evaluations);
-  write_fills_picture((to / kPictures[1]).string(), c.evaluations);
-  write_bars_picture((to / kPictures[2]).string(), c);
+  write_maps_picture((to / kPicture).string(), c.evaluations);
 }
 
 /** How the child ends. */

@@ -31,7 +31,7 @@ std::string footer()
          "\nExamples:\n"
          "  talus-compare datasets/worlds/table.yaml --output out\n"
          "      simulates the world, prints tables and budgets; out/tables.md,\n"
-         "      comparison.json, maps.png, fills.png\n"
+         "      comparison.json, maps.png\n"
          "  talus-compare datasets/worlds/*.yaml --output out --methods talus --set "
          "fill_samples=4\n"
          "  talus-compare out/demo.rawlog --world datasets/worlds/demo.yaml --output out\n"

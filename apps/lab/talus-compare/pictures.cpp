@@ -16,7 +16,6 @@ namespace
 {
 using io::Anchor;
 using io::Canvas;
-using io::ColourRange;
 using io::Palette;
 using io::TextStyle;
 
@@ -53,37 +52,21 @@ cv::Mat tile_of(const cv::Mat& cells, const Snapshot& s, int tile_px)
   return with_robot(tile, s);
 }
 
-/** A layer that a method does not have is unknown everywhere. */
-cv::Mat paint(
-    const std::vector<float>& layer, const Snapshot& s, Palette palette, const ColourRange& range)
+cv::Mat paint_scores(const std::vector<float>& layer, const Snapshot& s)
 {
   const int n = s.window.cells;
-  if (layer.empty()) return {n, n, CV_8UC3, io::bgr(io::palette::kNotSeen.rgb)};
-  const int colours = palette == Palette::Scores ? io::kFewColours : 256;
-  return io::paint_cells(layer, n, n, palette, range, colours);
+  if (layer.empty()) return {n, n, CV_8UC3, io::bgr(io::palette::kNotSeen.rgb)};  // no truth
+  return io::paint_cells(layer, n, n, Palette::Scores, {}, io::kFewColours);
 }
 
 cv::Mat traversability_tile(const Surfaces& map, const Snapshot& s, int tile_px)
 {
-  cv::Mat cells = paint(map.traversability, s, Palette::Scores, {});
-  if (!map.traversability.empty() && !map.ground_m.empty())
-  {
-    std::vector<float> known(map.ground_m.size());
-    std::transform(
-        map.ground_m.begin(), map.ground_m.end(), known.begin(),
-        [](float z) { return std::isnan(z) ? 0.0F : 1.0F; });
-    io::paint_not_judged(cells, map.traversability, known);
-  }
+  cv::Mat cells = paint_scores(map.traversability, s);
+  std::vector<float> known(map.size());
+  for (std::size_t k = 0; k < known.size(); ++k) known[k] = map.known(k) ? 1.0F : 0.0F;
+  io::paint_not_judged(cells, map.traversability, known);
   return tile_of(cells, s, tile_px);
 }
-
-bool any_truth(const std::vector<Evaluation>& evaluations)
-{
-  return std::any_of(
-      evaluations.begin(), evaluations.end(), [](const Evaluation& e) { return e.has_truth; });
-}
-
-int tile_size_px(std::size_t rows) { return rows <= kFewRows ? kLargeTile_px : kSmallTile_px; }
 
 /** Rows of tiles below their headings, and room for a legend. */
 Canvas assemble(const std::vector<std::string>& headings, const std::vector<Row>& rows, int tile_px)
@@ -120,17 +103,13 @@ void draw_legend(Canvas& canvas, const io::Legend& legend)
   legend.draw(canvas, {kEdge_px, canvas.image().rows - kLegend_px + spare}, room);
 }
 
-/** Colours of one world: of the true ground, or of what was measured. */
-ColourRange height_range(const Snapshot& s)
-{
-  return io::robust_range(s.true_ground_m.empty() ? s.sparse.ground_m : s.true_ground_m, 0.3F);
-}
 }  // namespace
 
 void write_maps_picture(const std::string& path, const std::vector<Evaluation>& evaluations)
 {
-  const int tile_px = tile_size_px(evaluations.size());
-  const bool truth = any_truth(evaluations);
+  const int tile_px = evaluations.size() <= kFewRows ? kLargeTile_px : kSmallTile_px;
+  const bool truth = std::any_of(
+      evaluations.begin(), evaluations.end(), [](const Evaluation& e) { return e.has_truth; });
   std::vector<std::string> headings;
   if (truth) headings.emplace_back("truth");
   std::vector<Row> rows;
@@ -138,8 +117,7 @@ void write_maps_picture(const std::string& path, const std::vector<Evaluation>& 
   {
     const Snapshot& s = e.snapshot;
     Row row{e.name, {}};
-    if (truth)
-      row.tiles.push_back(tile_of(paint(s.true_label, s, Palette::Scores, {}), s, tile_px));
+    if (truth) row.tiles.push_back(tile_of(paint_scores(s.true_label, s), s, tile_px));
     for (const auto& [name, map] : s.maps)
     {
       if (rows.empty()) headings.push_back(name);
@@ -151,38 +129,6 @@ void write_maps_picture(const std::string& path, const std::vector<Evaluation>& 
   io::Legend legend;
   legend.colours("blocked", io::colours_of(Palette::Scores), "free");
   legend.swatch(io::palette::kNotJudged);
-  legend.swatch(io::palette::kNotSeen);
-  draw_legend(canvas, legend);
-  io::write_png(path, canvas.image());
-}
-
-void write_fills_picture(const std::string& path, const std::vector<Evaluation>& evaluations)
-{
-  const int tile_px = tile_size_px(evaluations.size());
-  const bool truth = any_truth(evaluations);
-  std::vector<std::string> headings{"measured ground"};
-  if (truth) headings.emplace_back("truth");
-  std::vector<Row> rows;
-  for (const Evaluation& e : evaluations)
-  {
-    const Snapshot& s = e.snapshot;
-    if (s.fills.empty()) continue;
-    const ColourRange range = height_range(s);
-    const auto tile = [&](const std::vector<float>& heights)
-    { return tile_of(paint(heights, s, Palette::Heights, range), s, tile_px); };
-    Row row{e.name, {tile(s.sparse.ground_m)}};
-    if (truth) row.tiles.push_back(tile(s.true_ground_m));
-    for (const auto& [name, fill] : s.fills)
-    {
-      if (rows.empty()) headings.push_back(name);
-      row.tiles.push_back(tile(fill));
-    }
-    rows.push_back(std::move(row));
-  }
-  if (rows.empty()) return;
-  Canvas canvas = assemble(headings, rows, tile_px);
-  io::Legend legend;
-  legend.colours("lowest ground of the world", io::colours_of(Palette::Heights), "highest");
   legend.swatch(io::palette::kNotSeen);
   draw_legend(canvas, legend);
   io::write_png(path, canvas.image());

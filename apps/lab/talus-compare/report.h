@@ -63,9 +63,6 @@ std::string comparison_json(const Comparison& c);
  * the paper. Whole or not at all. Throws std::runtime_error. */
 void write_maps_picture(const std::string& path, const std::vector<Evaluation>& evaluations);
 
-/** Rows are worlds, columns are the measured ground, the truth and each fill, as in figure 9. */
-void write_fills_picture(const std::string& path, const std::vector<Evaluation>& evaluations);
-
 /** Rows of text under a heading; the first column is left-aligned, the others right-aligned. */
 struct Table
 {
@@ -97,9 +94,5 @@ nlohmann::json risk_json(const Score& s);
 
 /** The figures of one world or log, near, far and both. */
 nlohmann::json bars_json(const HeightBars& bars);
-
-/** Writes the reliability curves: over the share of heights that should lie within the estimated
- * deviations the share that does. Nothing where there is none. */
-void write_bars_picture(const std::string& path, const Comparison& c);
 
 }  // namespace talus::baselines

@@ -132,12 +132,12 @@ class Evaluator
     }
     else
       for (const std::uint8_t s : map.state) e.score.cover(static_cast<CellState>(s));
-    if (e.score.method == "talus") compare_fills(map, i, here);
+    if (e.score.method == "talus") compare_fills(map, here);
     if (i == picture_frame_) result_.snapshot.maps.emplace_back(e.score.method, map);
     if (!truth_ && i + 1 == sequence_.frames.size()) result_.last.push_back(std::move(map));
   }
 
-  void compare_fills(const Surfaces& map, std::size_t i, const std::optional<WindowTruth>& here)
+  void compare_fills(const Surfaces& map, const std::optional<WindowTruth>& here)
   {
     const SparseGround sparse = measured_ground(map);
     Fills fills{{"talus", map.ground_m}};
@@ -158,9 +158,6 @@ class Evaluator
           result_.fills[f].coverage.add(!std::isnan(fills[f].second[k]));
     }
     if (here) score_fills(map, *here, fills);
-    if (i != picture_frame_) return;
-    result_.snapshot.sparse = sparse;
-    result_.snapshot.fills = std::move(fills);
   }
 
   void score_fills(const Surfaces& map, const WindowTruth& here, const Fills& fills)
@@ -194,11 +191,7 @@ class Evaluator
     s.T_map_sensor = frame.T_map_sensor;
     if (!here) return;
     for (std::size_t k = 0; k < here->at.size(); ++k)
-    {
-      const bool inside = here->at[k] >= 0;
-      s.true_ground_m.push_back(inside ? truth_->truth.ground[here->at[k]] : NAN);
       s.true_label.push_back(here->blocked_now[k] ? 0.0f : here->free_now[k] ? 1.0f : NAN);
-    }
   }
 
   const Sequence& sequence_;

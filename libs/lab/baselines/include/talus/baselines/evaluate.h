@@ -26,10 +26,8 @@ struct Snapshot
 {
   Window window;
   Pose T_map_sensor;
-  std::vector<float> true_ground_m, true_label;  //!< empty without truth; label with movers
+  std::vector<float> true_label;  //!< with movers; empty without truth
   std::vector<std::pair<std::string, Surfaces>> maps;
-  SparseGround sparse;  //!< talus's measured ground
-  Fills fills;  //!< talus's first
 };
 
 /** One log or world through every method. */
