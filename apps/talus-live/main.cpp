@@ -3,6 +3,7 @@
 #include "../common/output_folder.h"
 #include "../common/run_app.h"
 #include "drive_map.h"
+#include "jump_finder.h"
 #include "live_page.h"
 #include "options.h"
 #include "publisher.h"

@@ -9,7 +9,6 @@
 #include <talus/sim/ground.h>
 #include <talus/sim/world.h>
 
-#include <cstring>
 #include <filesystem>
 
 #include "log_files.h"
@@ -25,7 +24,7 @@ void make_socket(const std::string& path)
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   ASSERT_LT(path.size(), sizeof address.sun_path);
-  std::strcpy(address.sun_path, path.c_str());
+  path.copy(address.sun_path, path.size());
   const int fd = ::socket(AF_UNIX, SOCK_STREAM, 0);
   EXPECT_EQ(::bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
   ::close(fd);
