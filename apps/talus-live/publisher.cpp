@@ -78,11 +78,11 @@ void Publisher::publish(DriveMap& map, const std::string& frame)
   if (!layers_.empty())
     grid_map_.write(formats::grid_map_message(header.stamp_s, header.frame, window, layers_));
   note_pose(map.stamp_s(), map.base());
+  if (std::abs(header.stamp_s - whole_s_) < kWholeEvery_s) return;
+  whole_s_ = header.stamp_s;
   whole_.update(
       map.site().tiles, map.floor(), map.window().window(),
       formats::ros_cells(window, {kOccupancy.blocked_at, 0.0}));
-  if (std::abs(header.stamp_s - whole_s_) < kWholeEvery_s) return;
-  whole_s_ = header.stamp_s;
   path_.write(live::path_message(header, poses_));
   publish_whole(map, header);
 }
