@@ -220,8 +220,8 @@ std::optional<AxesWatch::Fit> AxesWatch::better_scale() const
 /** By all motions of up to 2 m and 34 degrees. */
 std::optional<AxesWatch::Fit> AxesWatch::better_motions() const
 {
-  constexpr std::size_t kMinWalls = 12, kMaxWalls = 30, kFewestPairs = 4;
-  constexpr int kMostSteps = 8, kMostTurns = 10;  // to each side
+  constexpr std::size_t kMinWalls = 12, kMaxWalls = 30, kMinFramePairs = 4;
+  constexpr int kMaxSteps = 8, kMaxTurns = 10;  // to each side
   constexpr double kGrid_m = 0.25, kGrid_rad = 0.06, kMotionFits = 0.6;
   struct Motion
   {
@@ -258,7 +258,7 @@ std::optional<AxesWatch::Fit> AxesWatch::better_motions() const
     const double m = apart(i, {c * x + s * y, c * y - s * x, b.heading_rad - a.heading_rad});
     if (!std::isnan(m) && a.facets.size() >= kMinWalls) given_m.add(m);
   }
-  if (given_m.size() < kFewestPairs || !(given_m.median() > kMinMovedWalls_m)) return {};
+  if (given_m.size() < kMinFramePairs || !(given_m.median() > kMinMovedWalls_m)) return {};
   for (std::size_t i = 1; i < kept_.size(); ++i)
   {
     double least_m = HUGE_VAL;
@@ -267,9 +267,9 @@ std::optional<AxesWatch::Fit> AxesWatch::better_motions() const
     {
       if (const double m = apart(i, by); m < least_m) least_m = m, best = by;
     };
-    for (int x = -kMostSteps; x <= kMostSteps; ++x)
-      for (int y = -kMostSteps; y <= kMostSteps; ++y)
-        for (int turn = -kMostTurns; turn <= kMostTurns; ++turn)
+    for (int x = -kMaxSteps; x <= kMaxSteps; ++x)
+      for (int y = -kMaxSteps; y <= kMaxSteps; ++y)
+        for (int turn = -kMaxTurns; turn <= kMaxTurns; ++turn)
           look({kGrid_m * x, kGrid_m * y, kGrid_rad * turn});
     for (const double by : {0.5, 0.25})
     {

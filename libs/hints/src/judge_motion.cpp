@@ -74,13 +74,6 @@ std::optional<Hint> wrong_axes(const Figures& f)
               "(--trajectory)"};
     auto fit = s.axes.better_axes();
     if (!fit) fit = s.axes.better_scale();
-    if (const auto motions = fit ? std::nullopt : s.axes.better_motions())
-      return Hint{
-          Kind::WrongAxes,
-          "walls lie " + metres(motions->given_m) +
-              " apart from frame to frame by the poses, and " + metres(motions->best_m) +
-              " where the frames are laid upon each other: are these the poses of this log, by the "
-              "clock of its scans? Pass those (--trajectory)"};
     if (fit)
       return Hint{
           Kind::WrongAxes, "walls that are seen from different positions lie " +
@@ -88,6 +81,13 @@ std::optional<Hint> wrong_axes(const Figures& f)
                                " if " + fit->change +
                                ": check the columns, the unit and the frame of the trajectory, "
                                "and the yaw of sensorPose (--mount)"};
+    if (const auto motions = s.axes.better_motions())
+      return Hint{
+          Kind::WrongAxes,
+          "walls lie " + metres(motions->given_m) +
+              " apart from frame to frame by the poses, and " + metres(motions->best_m) +
+              " where the frames are laid upon each other: are these the poses of this log, by the "
+              "clock of its scans? Pass those (--trajectory)"};
   }
   return {};
 }
