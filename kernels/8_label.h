@@ -99,18 +99,6 @@ struct LabelPoint
   }
 };
 
-/** The same, with a map of its own: for labels that the host gets. */
-struct LabelOf
-{
-  Map m;
-
-  TALUS_HD std::uint32_t operator()(int point_i) const
-  {
-    int storage_i;
-    return LabelPoint{m}.label(point_i, storage_i);
-  }
-};
-
 /** Notes where a point's object moved away: hits above it, higher than the sensor, went with it. */
 template <class Atomics>
 struct NoteMoved

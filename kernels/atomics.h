@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/platform.h"
+#include "kernels/math.h"
 
 #if defined(__CUDACC__)
 #include <cooperative_groups.h>

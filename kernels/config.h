@@ -1,5 +1,5 @@
 #pragma once
-#include "kernels/platform.h"
+#include "kernels/math.h"
 
 namespace talus::kernels
 {

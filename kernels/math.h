@@ -1,8 +1,16 @@
 #pragma once
-#include "kernels/platform.h"
+// One source for host and device: IEEE-exact operations only (+ - * / sqrt, comparisons, integers),
+// compiled without contraction, so that every backend computes the same bits.
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+
+#if defined(__CUDACC__)
+#define TALUS_HD __host__ __device__ inline
+#else
+#define TALUS_HD inline
+#endif
 
 namespace talus::kernels
 {

@@ -80,9 +80,11 @@ std::string text_of_alignment(const align::Alignment& a, const std::string& path
     text += " (the estimate is x " + with_sign(a.shift.x_m + a.rest_x_m, 3) + " m, y " +
             with_sign(a.shift.y_m + a.rest_y_m, 3) +
             " m, but cells move as a whole: to have the rest, too, move the poses of its drive)";
-  std::string untold;
-  for (const std::string& name : a.untold) untold += (untold.empty() ? "" : ", ") + name;
-  return untold.empty() ? text : text + "; left, since nothing there determines it: " + untold;
+  std::string unobservable;
+  for (const std::string& name : a.unobservable)
+    unobservable += (unobservable.empty() ? "" : ", ") + name;
+  return unobservable.empty() ? text
+                              : text + "; left, since nothing there determines it: " + unobservable;
 }
 
 }  // namespace talus::site

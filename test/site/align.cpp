@@ -136,7 +136,7 @@ TEST_F(Align, what_stands_shows_where_a_map_lies_and_a_car_that_came_changes_not
     const bool has_car = frame.x_m == 0.3;
     write("b.tif", {level, has_car ? posts_and_a_car : posts}, 2, frame);
     const Alignment a = aligned();
-    EXPECT_EQ(a.untold, Names());
+    EXPECT_EQ(a.unobservable, Names());
     expect_near(a.shift, frame, frame.y_m == 0 ? 1e-9 : 0.03);
     EXPECT_TRUE(!has_car || a.shift.yaw_rad == 0);
   }
@@ -161,7 +161,7 @@ TEST_F(Align, of_two_places_that_fit_as_well_none_is_told)
   write("a.tif", {level, posts_and_the_same_half_a_turn_on}, 1);
   write("b.tif", {level, posts_and_the_same_half_a_turn_on}, 2, {0.2, -0.1, 0.05, M_PI / 2});
   const Alignment a = aligned();
-  EXPECT_EQ(a.untold, (Names{"x", "y", "yaw"}));
+  EXPECT_EQ(a.unobservable, (Names{"x", "y", "yaw"}));
   EXPECT_FALSE(a.shift.moves_cells());
   EXPECT_NEAR(a.shift.z_m, 0.05, 0.001);
 }
@@ -209,7 +209,7 @@ TEST_F(Align, a_car_alone_tells_nothing_where_the_other_map_has_none)
   write("a.tif", {level, nothing}, 1);
   write("b.tif", {level, car}, 2, {0, 0, 0.05, 0});
   const Alignment a = aligned();
-  EXPECT_EQ(a.untold, (Names{"x", "y", "yaw"}));
+  EXPECT_EQ(a.unobservable, (Names{"x", "y", "yaw"}));
   EXPECT_FALSE(a.shift.moves_cells());
 }
 
@@ -218,7 +218,7 @@ TEST_F(Align, hills_tell_where_a_map_lies_without_anything_that_stands)
   write("a.tif", {hills, nothing}, 1);
   write("b.tif", {hills, nothing}, 2, {0.4, -0.25, 0.2, -0.04});
   const Alignment a = aligned();
-  EXPECT_EQ(a.untold, Names());
+  EXPECT_EQ(a.unobservable, Names());
   expect_near(a.shift, {0.4, -0.25, 0.2, -0.04});
 }
 
@@ -227,7 +227,7 @@ TEST_F(Align, level_and_bare_ground_tells_the_height_alone)
   write("a.tif", {level, nothing}, 1);
   write("b.tif", {level, nothing}, 2, {0.4, -0.25, 0.6, 0});
   const Alignment a = aligned();
-  EXPECT_EQ(a.untold, (Names{"x", "y", "yaw"}));
+  EXPECT_EQ(a.unobservable, (Names{"x", "y", "yaw"}));
   EXPECT_FALSE(a.shift.moves_cells());
   EXPECT_NEAR(a.shift.z_m, 0.6, 0.0005);
 }
@@ -237,7 +237,7 @@ TEST_F(Align, a_ramp_does_not_tell_height_and_way_up_apart)
   write("a.tif", {ramp, nothing}, 1);
   write("b.tif", {ramp, nothing}, 2, {0.4, 0, 0.3, 0});
   const Alignment a = aligned();
-  EXPECT_EQ(a.untold, (Names{"x", "y"})) << "it tells the turn";
+  EXPECT_EQ(a.unobservable, (Names{"x", "y"})) << "it tells the turn";
   EXPECT_FALSE(a.shift.moves_cells());
   EXPECT_NEAR(a.shift.z_m, 0.3 - 0.2 * 0.4, 0.002);
 }
@@ -247,7 +247,7 @@ TEST_F(Align, a_corridor_tells_all_but_the_way_along)
   write("a.tif", {level, corridor}, 1);
   write("b.tif", {level, corridor}, 2, {0.4, 0.2, 0.1, 0});
   const Alignment a = aligned();
-  EXPECT_EQ(a.untold, Names{"x"});
+  EXPECT_EQ(a.unobservable, Names{"x"});
   EXPECT_NEAR(a.shift.x_m, 0, 1e-9);
   EXPECT_NEAR(a.shift.y_m, 0.2, 0.03);
   EXPECT_NEAR(a.shift.z_m, 0.1, 0.001);

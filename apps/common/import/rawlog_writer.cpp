@@ -143,8 +143,8 @@ struct RawlogWriter::Impl
   /** Values as they are, or, where bytes do not hold them, in 256 steps. */
   void set_steps(PointNotes& n) const
   {
-    constexpr double kMost = 65535;  // of any scanner
-    const double least = std::max<double>(min, -kMost), most = std::min<double>(max, kMost);
+    constexpr double kMax = 65535;  // of any scanner
+    const double least = std::max<double>(min, -kMax), most = std::min<double>(max, kMax);
     const bool is_fraction = n.values.empty() && least >= 0 && most > 0 && most <= 1;
     n.step = is_fraction ? 1 / kMaxByte : std::max(1.0, (most - least) / kMaxByte);
     n.least = least;

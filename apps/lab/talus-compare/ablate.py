@@ -35,7 +35,7 @@ HEADING = ["rule", "what it is", "rows", "worlds", "real", "situations", "S1", "
 def switches():
     """Number and name of each rule that has a switch."""
     with open(os.path.join(SOURCE, "kernels/rule_switches.h"), encoding="utf-8") as file:
-        found = re.findall(r"^  k(\w+) = (\d+)", file.read(), re.MULTILINE)
+        found = re.findall(r"RULE\(k(\w+), (\d+)\)", file.read())
     return {int(number): re.sub(r"(?<!^)([A-Z])", r" \1", name).lower() for name, number in found}
 
 

@@ -129,17 +129,17 @@ std::string name_of(const Eigen::Vector3d& direction)
   return "the direction at " + number_text(degrees) + " degrees";
 }
 
-std::vector<std::string> names_of(const Directions& untold)
+std::vector<std::string> names_of(const Directions& unobservable)
 {
   std::vector<std::string> names;
-  names.reserve(untold.size());
+  names.reserve(unobservable.size());
   const auto turns = std::count_if(
-      untold.begin(), untold.end(), [](const Eigen::Vector3d& d) { return d[2] != 0; });
-  if (untold.size() - static_cast<std::size_t>(turns) == 2)  // any two directions are all
+      unobservable.begin(), unobservable.end(), [](const Eigen::Vector3d& d) { return d[2] != 0; });
+  if (unobservable.size() - static_cast<std::size_t>(turns) == 2)  // any two directions are all
     names = {"x", "y"};
   if (!names.empty() && turns > 0) names.emplace_back("yaw");
   if (!names.empty()) return names;
-  for (const Eigen::Vector3d& direction : untold) names.push_back(name_of(direction));
+  for (const Eigen::Vector3d& direction : unobservable) names.push_back(name_of(direction));
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -158,7 +158,7 @@ Alignment aligned(const Map& map, const Reference& placed, double pixel_m)
   a.overlaps = r.overlaps;
   if (!r.overlaps) return a;
   a.shift = rounded(r.pose, box, map.resolution_m);
-  a.untold = names_of(r.untold);
+  a.unobservable = names_of(r.unobservable);
   if (a.shift.yaw_rad != r.pose.turn_rad) return a;  // and moves as estimated
   Pose fine = r.fine;
   fine.v[2] = 0;

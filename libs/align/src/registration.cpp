@@ -28,17 +28,17 @@ constexpr double kSureSeen = 0.6;  //!< of a fit that no other place is looked f
  * its score. */
 constexpr double kSnapLoss = 0.01;
 
-/** What the samples tell of (x, y, turn) where the height is free, in samples. */
+/** The information of the samples on (x, y, turn) where the height is free, in samples. */
 Eigen::Matrix3d information(const Task& task, const Pose& pose)
 {
-  Eigen::Matrix3d told = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const StandingSample& s : task.samples.standing)
   {
     if (!(task.reference.distance_m(pose.place(s.at_m)).value < kReach_m)) continue;
     const Eigen::Matrix<double, 2, 3> j = pose.change(s.at_m);
     const Eigen::RowVector3d across = pose.turned(s.normal).transpose() * j;
-    told += s.is_line ? Eigen::Matrix3d(across.transpose() * across)
-                      : Eigen::Matrix3d(j.transpose() * j);
+    sum += s.is_line ? Eigen::Matrix3d(across.transpose() * across)
+                     : Eigen::Matrix3d(j.transpose() * j);
   }
   Eigen::Vector3d with_height = Eigen::Vector3d::Zero();
   double count = 0;
@@ -48,21 +48,21 @@ Eigen::Matrix3d information(const Task& task, const Pose& pose)
     if (std::isnan(f.value)) continue;
     const Eigen::Vector3d g =
         (f.slope.transpose() * pose.change(s.at_m)).transpose() * (kSigma_m / kSigmaZ_m);
-    told += g * g.transpose();
+    sum += g * g.transpose();
     with_height += g * (kSigma_m / kSigmaZ_m);
     count += (kSigma_m / kSigmaZ_m) * (kSigma_m / kSigmaZ_m);
   }
-  if (count > 0) told -= with_height * with_height.transpose() / count;
-  return told;
+  if (count > 0) sum -= with_height * with_height.transpose() / count;
+  return sum;
 }
 
-bool is_told(double samples, double most)
+bool is_observable(double samples, double most)
 {
   return samples >= kMinInformation && samples >= kMinShare * most;
 }
 
-/** The directions that the samples can tell, and the others: the turn, and two on the ground. */
-void divide(const Eigen::Matrix3d& information, Directions& told, Directions& untold)
+/** The directions that the samples determine, and the others: the turn, and two on the ground. */
+void divide(const Eigen::Matrix3d& information, Directions& observable, Directions& unobservable)
 {
   using Axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>;
   // A turn counts as far as no shift looks the same, and the other way round.
@@ -70,20 +70,21 @@ void divide(const Eigen::Matrix3d& information, Directions& told, Directions& un
   const double most = shifts.eigenvalues()[1];
   double turn = information(2, 2);
   for (int i = 0; i < 2; ++i)
-    if (const double held = shifts.eigenvalues()[i]; is_told(held, most))
+    if (const double held = shifts.eigenvalues()[i]; is_observable(held, most))
       turn -=
           std::pow(shifts.eigenvectors().col(i).dot(information.topRightCorner<2, 1>()), 2) / held;
-  const bool turn_told = is_told(turn, 0);
-  (turn_told ? told : untold).emplace_back(0, 0, 1);
+  const bool turn_observable = is_observable(turn, 0);
+  (turn_observable ? observable : unobservable).emplace_back(0, 0, 1);
   Eigen::Matrix2d places = information.topLeftCorner<2, 2>();
-  if (turn_told)
+  if (turn_observable)
     places -= information.topRightCorner<2, 1>() * information.bottomLeftCorner<1, 2>() /
               information(2, 2);
   const Axes axes(places);
   for (int i = 0; i < 2; ++i)
   {
     const Eigen::Vector2d d = axes.eigenvectors().col(i);
-    (is_told(axes.eigenvalues()[i], most) ? told : untold).emplace_back(d.x(), d.y(), 0);
+    (is_observable(axes.eigenvalues()[i], most) ? observable : unobservable)
+        .emplace_back(d.x(), d.y(), 0);
   }
 }
 
@@ -195,7 +196,7 @@ Standing standing_at(const Task& task, const Pose& pose)
 }
 
 /** The whole pixels around, without a turn, that fit best; `found` where that is clearly better. */
-Pose snapped(const Task& task, const Pose& found, const Directions& untold)
+Pose snapped(const Task& task, const Pose& found, const Directions& unobservable)
 {
   const double sigma_m = task.pixel_m / 2;
   Pose best = found;
@@ -204,7 +205,7 @@ Pose snapped(const Task& task, const Pose& found, const Directions& untold)
   {
     const Eigen::Vector2d by_m = task.pixel_m * Eigen::Vector2d(i % 3 - 1, i / 3 - 1);
     if (std::any_of(
-            untold.begin(), untold.end(),
+            unobservable.begin(), unobservable.end(),
             [&](const auto& d) { return std::abs(by_m.dot(d.template head<2>())) > 1e-9; }))
       continue;
     Pose pose = found;
@@ -223,7 +224,7 @@ Pose snapped(const Task& task, const Pose& found, const Directions& untold)
 }
 
 /** Nearer than a cell: distances from whole cells draw to whole cells, blurred edges do not. */
-Pose by_edges(const Task& task, Pose pose, const Directions& untold)
+Pose by_edges(const Task& task, Pose pose, const Directions& unobservable)
 {
   constexpr int kSteps = 5;
   constexpr double kChanged = 0.3;  // of what stands: has come or gone
@@ -241,7 +242,7 @@ Pose by_edges(const Task& task, Pose pose, const Directions& untold)
       sum += off * f.slope;
     }
     Eigen::Vector2d by_m = squares.ldlt().solve(sum);
-    for (const Eigen::Vector3d& d : untold) by_m -= by_m.dot(d.head<2>()) * d.head<2>();
+    for (const Eigen::Vector3d& d : unobservable) by_m -= by_m.dot(d.head<2>()) * d.head<2>();
     if (!(by_m.norm() < task.pixel_m)) break;
     pose.v.head<2>() += by_m;
   }
@@ -252,20 +253,21 @@ Registration registered_from(const Task& task, const Pose& start)
 {
   Registration r{start, start, {}, height_at(task, start).count >= kMinGround};
   if (!r.overlaps) return r;
-  Directions told;
-  divide(information(task, start), told, r.untold);
+  Directions observable;
+  divide(information(task, start), observable, r.unobservable);
   for (int i = 0; i < kMaxTries; ++i)
   {
-    r.pose = refined(task, best_nearby(task, start, told), r.untold);
+    r.pose = refined(task, best_nearby(task, start, observable), r.unobservable);
     r.pose.v[3] = height_at(task, r.pose).median_m;
     const auto loose = std::stable_partition(
-        told.begin(), told.end(), [&](const auto& d) { return is_held(task, r.pose, d); });
-    if (loose == told.end()) break;
-    r.untold.insert(r.untold.end(), loose, told.end());
-    told.erase(loose, told.end());
+        observable.begin(), observable.end(),
+        [&](const auto& d) { return is_held(task, r.pose, d); });
+    if (loose == observable.end()) break;
+    r.unobservable.insert(r.unobservable.end(), loose, observable.end());
+    observable.erase(loose, observable.end());
   }
-  r.pose = snapped(task, clearly_better(task, start, r.pose), r.untold);
-  r.fine = by_edges(task, r.pose, r.untold);
+  r.pose = snapped(task, clearly_better(task, start, r.pose), r.unobservable);
+  r.fine = by_edges(task, r.pose, r.unobservable);
   return r;
 }
 }  // namespace
@@ -283,7 +285,7 @@ Registration registered(const Task& task)
   const auto try_from = [&](const Pose& start, const auto& is_better)
   {
     const Registration r = registered_from(task, start);
-    if (!r.overlaps || !r.untold.empty()) return;
+    if (!r.overlaps || !r.unobservable.empty()) return;
     const Standing its = standing_at(task, r.pose);
     if (its.same < kMinStanding) return;
     if (!is_better(its))

@@ -51,7 +51,7 @@ struct Registration
 {
   Pose pose;
   Pose fine;  //!< of which `pose` is what moves whole pixels
-  Directions untold;
+  Directions unobservable;
   bool overlaps = true;
 };
 Registration registered(const Task& task);

@@ -1,14 +1,24 @@
 #pragma once
 #include <talus/elevation_mapper.h>
 #include <talus/point_labels.h>
-#include "map_config.h"
 #include "hand_over.h"
+#include "window_tracker.h"
 #include "kernels/9_channels.h"
 #include "kernels/cell.h"
-#include "kernels/frame.h"
 
 namespace talus
 {
+/** The parameters of a map as rules get them. */
+struct MapConfig
+{
+  kernels::Config config;
+  kernels::Body body;
+  std::vector<ChannelRule> channels;
+  /** kernels::kClasses scores for each channel; empty: no class costs. */
+  std::vector<float> class_scores;
+};
+MapConfig make_config(const Parameters& p);
+
 /** The persistent state of a map and its derived layers, as bytes on the host. */
 struct MapBytes
 {
@@ -19,6 +29,19 @@ struct MapBytes
   std::vector<kernels::ChannelValue> values;
   std::vector<kernels::ChannelVotes> votes;
 };
+
+/** The state of a map between two frames, as ElevationMapper::save() keeps it. */
+struct SavedMap
+{
+  WindowTracker tracker;
+  float reference_z_m = 0;  //!< reference of the heights of the last frame
+  MapBytes map;  //!< empty before the first frame
+};
+
+std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p);
+
+/** Throws std::invalid_argument if the bytes are no state of a map with these parameters. */
+SavedMap saved_map_from(const std::vector<std::uint8_t>& bytes, const Parameters& p);
 
 /** The destination of one layer. */
 struct OutputMemory
@@ -83,7 +106,7 @@ class BackendInterface
   virtual MapBytes read_all() = 0;
   /** Fills a backend that has seen no frame; the channels if they are given. The caller checks the
    * sizes. */
-  virtual void write_all(const MapBytes& bytes, const kernels::FrameContext& window) = 0;
+  virtual void write_all(MapBytes bytes, const kernels::FrameContext& window) = 0;
 
   virtual std::string name() const = 0;
 };

@@ -1,16 +1,16 @@
 #include <talus/elevation_mapper.h>
-#include "map_config.h"
+#include "backend.h"
 #include "kernels/3_update.h"
 #include "kernels/group.h"
 #include "kernels/math.h"
 #include "hand_over.h"
-#include "saved_map.h"
 #include "window_tracker.h"
 
 #include <cmath>
 #include <iostream>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace talus
 {
@@ -95,7 +95,7 @@ struct ElevationMapper::Impl
     return {finished, reference_z_m, finished.started ? backend->read_all() : MapBytes{}};
   }
   /** Takes a state into a map that was reset. */
-  void take(const SavedMap& saved)
+  void take(SavedMap saved)
   {
     if (!saved.tracker.started) return;
     started = finished = saved.tracker;
@@ -106,7 +106,7 @@ struct ElevationMapper::Impl
     window.sensor_z_map_m = reference_z_m;
     window.offset_m = saved.map.datum.offset_m;
     window.sensor_z_m = reference_z_m - window.offset_m;
-    backend->write_all(saved.map, window);
+    backend->write_all(std::move(saved.map), window);
     now_known(shown_slot().delivered);
   }
 
@@ -255,9 +255,9 @@ ElevationMapper::ElevationMapper(
     int threads, int device)
 {
   parameters.validate();
-  const SavedMap saved = saved_map_from(state, parameters);
+  SavedMap saved = saved_map_from(state, parameters);
   impl_ = std::make_unique<Impl>(parameters, backend, threads, device);
-  impl_->take(saved);
+  impl_->take(std::move(saved));
 }
 ElevationMapper::~ElevationMapper() = default;
 ElevationMapper::ElevationMapper(ElevationMapper&&) noexcept = default;
@@ -341,10 +341,10 @@ void ElevationMapper::set_output_layers(const std::vector<Layer>& layers)
   std::array<bool, kLayerCount> outputs{};
   for (const Layer l : layers) outputs[static_cast<std::size_t>(l)] = true;
   if (outputs == m.outputs) return;
-  const SavedMap state = m.state();
+  SavedMap state = m.state();
   m.outputs = outputs;
   m.reset();
-  m.take(state);
+  m.take(std::move(state));
 }
 
 std::vector<Layer> ElevationMapper::output_layers() const
@@ -462,9 +462,9 @@ void ElevationMapper::restore(const std::vector<std::uint8_t>& bytes)
 {
   Impl& m = *impl_;
   m.require_none_in_flight("restore");
-  const SavedMap saved = saved_map_from(bytes, m.parameters);
+  SavedMap saved = saved_map_from(bytes, m.parameters);
   m.reset();
-  m.take(saved);
+  m.take(std::move(saved));
 }
 
 std::vector<PointLabel> label_points(const ElevationMapper& map, const Frame& frame)

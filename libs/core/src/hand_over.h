@@ -1,6 +1,8 @@
 #pragma once
 #include <talus/cell_record.h>
 #include <talus/channels.h>
+#include <talus/point_labels.h>
+#include "kernels/8_label.h"
 #include "kernels/9_channels.h"
 #include "kernels/map.h"
 
@@ -91,6 +93,18 @@ TALUS_HD kernels::Cell cell_of(const CellRecord& r, float offset_m)
 #undef TALUS_WRITE
   return c;
 }
+
+/** The label of a point. */
+struct ReadLabel
+{
+  kernels::Map m;
+
+  TALUS_HD PointLabel operator()(int point_i) const
+  {
+    int storage_i;
+    return static_cast<PointLabel>(kernels::LabelPoint{m}.label(point_i, storage_i));
+  }
+};
 
 struct ReadCell : HandOver
 {

@@ -62,7 +62,7 @@ class MapBackend final : public BackendInterface
     auto& now = *map_.now;
     std::array<bool, kLayerCount> delivered{};
     executor_.forget_outputs();
-    const auto n = static_cast<std::size_t>(map_.cells());
+    const auto n = cells();
     for (std::size_t l = 0; l < host.size(); l++)
     {
       now.outputs[l] = host[l] ? executor_.map_output(host[l], n) : OutputMemory{};
@@ -86,7 +86,7 @@ class MapBackend final : public BackendInterface
       if (layer != Layer::Traversability) complete_features();
       from = map_.memory_of(layer);
     }
-    if (from != out) executor_.transfer(from, static_cast<std::size_t>(map_.cells()), out);
+    if (from != out) executor_.transfer(from, cells(), out);
   }
   CellRecord* read_cells(const std::vector<WindowRect>& rects) override
   {
@@ -98,7 +98,7 @@ class MapBackend final : public BackendInterface
     const auto shown = Map::layers_at(
         [this](Layer l) { return map_.now->outputs[static_cast<std::size_t>(l)].mapped; });
     hand_over(
-        rects, within_reach(from, static_cast<std::size_t>(size_of(rects))),
+        rects, within_reach(records_, from, static_cast<std::size_t>(size_of(rects))),
         [&](const WindowRects& some, int size, const CellRecord* records) {
           executor_.for_each_from_host(size, WriteCell{{map_.view(), some}, shown}, records);
         });
@@ -114,37 +114,22 @@ class MapBackend final : public BackendInterface
     if (label_context_.size() == 0)
     {
       executor_.allocate(label_context_, 1, kernels::FrameContext{});
-      executor_.allocate(moved_, static_cast<std::size_t>(map_.cells()), std::int32_t{0});
+      executor_.allocate(moved_, cells(), std::int32_t{0});
     }
     executor_.fill(moved_, std::int32_t{0});
     executor_.transfer(&context, 1, label_context_.data());
-    executor_.make_room(label_points_, 4 * frame.size);
-    executor_.make_room(labels_, frame.size);
-    float* next = label_points_.data();
-    kernels::PointsIn in{};
-    const auto take = [&](const float* from, const float*& to)
-    {
-      if (from) std::copy_n(from, frame.size, next);
-      to = next;
-      next += frame.size;
-    };
-    take(frame.x_m, in.x_m);
-    take(frame.y_m, in.y_m);
-    take(frame.z_m, in.z_m);
-    take(frame.time_s, in.time_s);
+    map_.reserve_points(executor_, frame.size);
     const auto points = static_cast<int>(frame.size);
     kernels::Map m = map_.view();
-    m.frame = label_context_.data(), m.in = in, m.notes_moved = moved_.data();
+    m.frame = label_context_.data(), m.notes_moved = moved_.data();
+    m.in = executor_.stage(frame, context, map_.point_cell.size());
     find_limits(on_, m, 1);
     executor_.template for_each<kernels::NoteMoved<typename Executor::Atomics>>(m, points);
     m.moved = moved_.data();
-    executor_.for_each_to_host(points, kernels::LabelOf{m}, labels_.data());
+    executor_.make_room(labels_, frame.size);
+    executor_.for_each_to_host(points, ReadLabel{m}, labels_.data());
     executor_.synchronize();
-    std::vector<PointLabel> labels(frame.size);
-    std::transform(
-        labels_.data(), labels_.data() + frame.size, labels.begin(),
-        [](std::uint32_t label) { return static_cast<PointLabel>(label); });
-    return labels;
+    return {labels_.data(), labels_.data() + frame.size};
   }
   void read_channel(std::size_t channel, int surface, float* out) override
   {
@@ -152,7 +137,7 @@ class MapBackend final : public BackendInterface
     kernels::Map m = map_.view();
     m.put = {static_cast<int>(channel), surface, m.top_hit_m};  // free between frames
     on_.template cells<kernels::PutChannel>(m, window_of(m));
-    executor_.transfer(m.top_hit_m, static_cast<std::size_t>(map_.cells()), out);
+    executor_.transfer(m.top_hit_m, cells(), out);
   }
   const ChannelRecord* read_channels(const std::vector<WindowRect>& rects) override
   {
@@ -161,11 +146,8 @@ class MapBackend final : public BackendInterface
   void write_channels(const std::vector<WindowRect>& rects, const ChannelRecord* from) override
   {
     use(shown_);
-    const auto size = static_cast<std::size_t>(size_of(rects));
-    executor_.make_room(channel_records_, size);
-    std::copy_n(from, size, channel_records_.data());
     hand_over(
-        rects, channel_records_.data(),
+        rects, within_reach(channel_records_, from, static_cast<std::size_t>(size_of(rects))),
         [this](const WindowRects& some, int n, const ChannelRecord* records) {
           executor_.for_each_from_host(n, WriteChannels{{map_.view(), some}}, records);
         });
@@ -173,57 +155,29 @@ class MapBackend final : public BackendInterface
   }
   MapBytes read_all() override
   {
-    const auto n = static_cast<std::size_t>(map_.cells());
     use(shown_);
-    MapBytes bytes;
-    bytes.cells.resize(n * kernels::kBytesPerCell);
-    std::uint8_t* to = bytes.cells.data();
-    map_.for_each_field(
-        [&](auto& array, auto unknown)
-        {
-          executor_.transfer(array.data(), n, reinterpret_cast<decltype(unknown)*>(to));
-          to += n * sizeof unknown;
-        });
-    executor_.transfer(map_.datum.data(), 1, &bytes.datum);
     complete_features();
-    bytes.features.resize(Map::kJudgedLayers * n);
-    for (std::size_t i = 0; i < Map::kJudgedLayers; i++)
-      executor_.transfer(map_.memory_of(feature_layer(i)), n, bytes.features.data() + i * n);
-    const auto append = [this](auto& array, auto& all)
-    {
-      all.resize(all.size() + array.size());
-      executor_.transfer(array.data(), array.size(), all.data() + all.size() - array.size());
-    };
+    MapBytes bytes;
+    bytes.cells.resize(cells() * kernels::kBytesPerCell);
+    bytes.features.resize(Map::kJudgedLayers * cells());
     for (auto& channel : map_.channels)
-      append(channel.values, bytes.values), append(channel.votes, bytes.votes);
+    {
+      bytes.values.resize(bytes.values.size() + channel.values.size());
+      bytes.votes.resize(bytes.votes.size() + channel.votes.size());
+    }
+    for_each_part(
+        bytes,
+        [this](auto* of_map, std::size_t n, auto* to) { executor_.transfer(of_map, n, to); });
     return bytes;
   }
-  void write_all(const MapBytes& bytes, const kernels::FrameContext& window) override
+  void write_all(MapBytes bytes, const kernels::FrameContext& window) override
   {
     use(shown_);
-    const auto n = static_cast<std::size_t>(map_.cells());
-    const std::uint8_t* from = bytes.cells.data();
-    map_.for_each_field(
-        [&](auto& array, auto unknown)
-        {
-          executor_.transfer(reinterpret_cast<const decltype(unknown)*>(from), n, array.data());
-          from += n * sizeof unknown;
-        });
-    executor_.transfer(&bytes.datum, 1, map_.datum.data());
-    const auto* value = bytes.values.data();
-    const auto* votes = bytes.votes.data();
-    for (auto& channel : map_.channels)
-    {
-      if (bytes.values.empty()) break;
-      executor_.transfer(value, channel.values.size(), channel.values.data());
-      executor_.transfer(votes, channel.votes.size(), channel.votes.data());
-      value += channel.values.size();
-      votes += channel.votes.size();
-    }
     map_.allocate_features(executor_);
     map_.now->features_known = true;
-    for (std::size_t i = 0; i < Map::kJudgedLayers; i++)
-      executor_.transfer(bytes.features.data() + i * n, n, map_.memory_of(feature_layer(i)));
+    for_each_part(
+        bytes,
+        [this](auto* of_map, std::size_t n, auto* from) { executor_.transfer(from, n, of_map); });
     executor_.transfer(&window, 1, map_.frame.data());
     for (int i = Map::kFirstSurface; i < Map::kFirstFeature; i++)
       if (float* const to = map_.memory_of(static_cast<Layer>(i)))
@@ -240,6 +194,31 @@ class MapBackend final : public BackendInterface
   {
     map_.now = &map_.slots[static_cast<std::size_t>(slot)];
     executor_.use(slot);
+  }
+  std::size_t cells() const { return static_cast<std::size_t>(map_.cells()); }
+  /** f(memory of the map, its size, its place in `bytes`) for all persistent state. */
+  template <class F>
+  void for_each_part(MapBytes& bytes, const F& f)
+  {
+    std::uint8_t* cell = bytes.cells.data();
+    map_.for_each_field(
+        [&](auto& array, auto unknown)
+        {
+          f(array.data(), cells(), reinterpret_cast<decltype(unknown)*>(cell));
+          cell += cells() * sizeof unknown;
+        });
+    f(map_.datum.data(), 1, &bytes.datum);
+    for (std::size_t i = 0; i < Map::kJudgedLayers; i++)
+      f(map_.memory_of(feature_layer(i)), cells(), bytes.features.data() + i * cells());
+    auto* value = bytes.values.data();
+    auto* votes = bytes.votes.data();
+    for (auto& channel : map_.channels)
+    {
+      if (bytes.values.empty()) break;
+      f(channel.values.data(), channel.values.size(), value);
+      f(channel.votes.data(), channel.votes.size(), votes);
+      value += channel.values.size(), votes += channel.votes.size();
+    }
   }
   void run_stages()
   {
@@ -272,11 +251,11 @@ class MapBackend final : public BackendInterface
     map_.allocate_features(executor_);
     float* const judged = map_.memory_of(Layer::Traversability);
     float* const kept = map_.top_hit_m.data();  // free between frames
-    executor_.copy(kept, judged, static_cast<std::size_t>(map_.cells()));
+    executor_.copy(kept, judged, cells());
     kernels::Map m = map_.view();
     m.with_features = true, m.keeps = false;
     on_.judge_all(m);
-    executor_.copy(judged, kept, static_cast<std::size_t>(map_.cells()));
+    executor_.copy(judged, kept, cells());
     map_.now->features_known = true;
   }
   void export_surface(Layer layer, float* to)
@@ -337,15 +316,17 @@ class MapBackend final : public BackendInterface
     read<ReadCell>(cells.before, records_.data());
     executor_.mark();
   }
-  /** The records in memory that kernels reach: those of read_cells() are there. */
-  const CellRecord* within_reach(const CellRecord* from, std::size_t size)
+  /** The records in memory that kernels reach: those that were read are there. */
+  template <class Records, class Record>
+  const Record* within_reach(Records& own, const Record* from, std::size_t size)
   {
-    const CellRecord* const own = records_.data();
     const std::less_equal<> is_not_behind;
-    if (is_not_behind(own, from) && is_not_behind(from + size, own + records_.size())) return from;
-    executor_.make_room(records_, size);
-    std::copy_n(from, size, records_.data());
-    return records_.data();
+    const bool is_own =
+        is_not_behind(own.data(), from) && is_not_behind(from + size, own.data() + own.size());
+    if (is_own) return from;
+    executor_.make_room(own, size);
+    std::copy_n(from, size, own.data());
+    return own.data();
   }
   static Layer feature_layer(std::size_t i)
   {
@@ -359,8 +340,7 @@ class MapBackend final : public BackendInterface
   typename Executor::template HostBuffer<ChannelRecord> channel_records_;  //!< the same of channels
   typename Executor::template Buffer<kernels::FrameContext> label_context_;
   typename Executor::template Buffer<std::int32_t> moved_;  //!< see kernels::NoteMoved
-  typename Executor::template HostBuffer<float> label_points_;  //!< x, y, z and times
-  typename Executor::template HostBuffer<std::uint32_t> labels_;
+  typename Executor::template HostBuffer<PointLabel> labels_;
   Executor executor_;  //!< last member: its work ends before the memory is freed
 };
 

@@ -1,4 +1,4 @@
-#include "map_config.h"
+#include "backend.h"
 #include <talus/parameters.h>
 #include "kernels/6_fill.h"
 #include "kernels/9_channels.h"

@@ -1,5 +1,5 @@
 #include <talus/point_filter.h>
-#include "map_config.h"
+#include "backend.h"
 #include "kernels/1_accept.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 #include <talus/risk.h>
-#include "map_config.h"
+#include "backend.h"
 #include "kernels/7_risk.h"
 
 namespace talus

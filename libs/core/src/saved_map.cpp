@@ -1,4 +1,4 @@
-#include "saved_map.h"
+#include "backend.h"
 #include "kernels/cell.h"
 
 #include <algorithm>
@@ -6,6 +6,7 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 namespace talus
 {
@@ -25,12 +26,8 @@ struct Header
   std::uint8_t sensors, flags, drove_through, reserved[5];
 };
 
-/** A record for each sensor, between the header and the layers. */
-struct SensorRecord
-{
-  std::uint64_t number;
-  double z_axis[3];
-};
+using Sensor = WindowTracker::Sensor;  // one after the other between the header and the layers
+static_assert(std::is_trivially_copyable_v<Sensor> && sizeof(Sensor) == 32);
 
 constexpr std::uint8_t kStartsAnew = 1;  //!< a bit of Header::flags, see kernels::Datum
 
@@ -55,7 +52,7 @@ bool is_within(double v, double limit) { return std::abs(v) <= limit; }  // fals
 /** The bytes after the header, for a map that has seen a frame. */
 std::size_t bytes_behind_header(std::size_t cells, std::size_t sensors)
 {
-  return sensors * sizeof(SensorRecord) + cells * kernels::kBytesPerCell + feature_bytes(cells);
+  return sensors * sizeof(Sensor) + cells * kernels::kBytesPerCell + feature_bytes(cells);
 }
 
 void check_position(const Header& h)
@@ -75,16 +72,12 @@ void read_datum(const Header& h, SavedMap& saved)
 /** Reads the sensors of a state; returns where they end. */
 const std::uint8_t* read_sensors(const Header& h, const std::uint8_t* from, WindowTracker& tracker)
 {
-  for (std::size_t i = 0; i < h.sensors; i++, from += sizeof(SensorRecord))
-  {
-    SensorRecord r;
-    std::memcpy(&r, from, sizeof r);
-    const double(&z)[3] = r.z_axis;
-    for (const double v : z)
+  tracker.sensors.resize(h.sensors);
+  std::memcpy(tracker.sensors.data(), from, h.sensors * sizeof(Sensor));
+  for (const Sensor& sensor : tracker.sensors)
+    for (const double v : sensor.z_axis)
       if (!is_within(v, 2)) fail("damaged, the axes of its sensors are none");
-    tracker.sensors.push_back({static_cast<std::uint32_t>(r.number), {z[0], z[1], z[2]}});
-  }
-  return from;
+  return from + h.sensors * sizeof(Sensor);
 }
 
 kernels::CellStore cells_in(std::vector<std::uint8_t>& bytes, std::size_t cells)
@@ -138,21 +131,16 @@ std::vector<std::uint8_t> bytes_of(const SavedMap& saved, const Parameters& p)
   header.reference_z_m = saved.reference_z_m;
   header.sensors = static_cast<std::uint8_t>(saved.tracker.sensors.size());
   std::vector<std::uint8_t> bytes;
+  const std::size_t of_sensors = header.sensors * sizeof(Sensor);
   const std::size_t of_features = saved.map.features.size() * sizeof(float);
-  bytes.reserve(
-      sizeof header + header.sensors * sizeof(SensorRecord) + saved.map.cells.size() + of_features);
+  bytes.reserve(sizeof header + of_sensors + saved.map.cells.size() + of_features);
   const auto append = [&](const void* from, std::size_t size)
   {
     const auto* first = static_cast<const std::uint8_t*>(from);
     bytes.insert(bytes.end(), first, first + size);
   };
   append(&header, sizeof header);
-  for (const auto& sensor : saved.tracker.sensors)
-  {
-    const auto& z = sensor.z_axis;
-    const SensorRecord record{sensor.number, {z[0], z[1], z[2]}};
-    append(&record, sizeof record);
-  }
+  append(saved.tracker.sensors.data(), of_sensors);
   append(saved.map.cells.data(), saved.map.cells.size());
   append(saved.map.features.data(), of_features);
   return bytes;

@@ -17,7 +17,7 @@ struct WindowTracker
 {
   struct Sensor
   {
-    std::uint32_t number;  //!< Frame::sensor
+    std::uint64_t number;  //!< Frame::sensor; as wide as saved maps have it
     std::array<double, 3> z_axis;  //!< in its last frame, map frame
   };
 

@@ -9,18 +9,11 @@ namespace talus::kernels
 
 /** Notes the ray of a point, how far it went, and how far its hit lies above the mapped ground. */
 template <class Atomics>
-struct NoteRayAndHit
+struct NoteRayAndHit : NoteRay<SerialAtomics>
 {
-  const Map& m;
-
-  Part part(int which, int of) const { return NoteRay<SerialAtomics>{m}.part(which, of); }
-  bool is_in(const Part& part, int point_i) const
-  {
-    return NoteRay<SerialAtomics>{m}.is_in(part, point_i);
-  }
   void operator()(int point_i) const
   {
-    NoteRay<SerialAtomics>{m}(point_i);
+    NoteRay<SerialAtomics>::operator()(point_i);
     NoteReach<SerialAtomics>{m}(point_i);
     CountOffset<Atomics>{m}(point_i);
   }

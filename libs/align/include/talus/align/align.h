@@ -10,7 +10,7 @@ namespace talus::align
 /** What brings a map into the frame of another. */
 struct Alignment
 {
-  /** No move along what is untold; whole cells where the yaw stays. */
+  /** No move along what is unobservable; whole cells where the yaw stays. */
   site::MapShift shift;
   /** What is left of the estimate, since cells move as a whole [m]; 0: less than a tenth of one. */
   double rest_x_m = 0, rest_y_m = 0;
@@ -18,7 +18,7 @@ struct Alignment
   bool overlaps = true;
   /** "x", "y", "z", "yaw" or "the direction at 30 degrees": what neither the ground nor what stands
    * on it tells, as along a corridor, or on a level floor. */
-  std::vector<std::string> untold;
+  std::vector<std::string> unobservable;
 };
 
 /** Brings the maps of several drives into the frame of the first: each in turn onto those that lie
