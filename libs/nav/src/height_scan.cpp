@@ -43,8 +43,8 @@ float square(float x) { return x * x; }
 /** floor() of cells in or near a window, without a call. */
 int whole(double cells)
 {
-  constexpr int kBeyond = 1 << 20;
-  return static_cast<int>(cells + kBeyond) - kBeyond;
+  const int towards_zero = static_cast<int>(cells);
+  return towards_zero - static_cast<int>(cells < towards_zero);
 }
 
 HeightOrigin origin_of(float state)
