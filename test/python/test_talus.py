@@ -1,6 +1,8 @@
 """`import talus`: arrays in and out, errors, memory, threads, and the bits of C++."""
 
+import copy
 import os
+import pickle
 import resource
 import subprocess
 import sys
@@ -163,6 +165,11 @@ class Errors(unittest.TestCase):
                 (ValueError, "transposed", lambda: m.update(p, SENSOR.T)),
                 (ValueError, "T_map_base: .*rotation", lambda: m.height_scan(np.diag([1, 1, -1, 1]), [0.0], [0.0])),
                 (ValueError, "path: must", lambda: m.update(p, SENSOR, path=[SENSOR])),
+                (ValueError, "path: needs", lambda: m.update(p, SENSOR, path=[(0, SENSOR), (1, SENSOR)])),
+                (ValueError, "channels: must", lambda: m.update(p, SENSOR, channels=[p[:, 0]])),
+                (ValueError, "x: is masked", lambda: m.height_scan(LEVEL, np.ma.masked_array([0.0], [True]), [0.0])),
+                (ValueError, "side", lambda: m.heading_cost(np.zeros((1, 3)), talus.Footprint(min_x=1.0))),
+                (ValueError, "side", lambda: m.heading_cost(np.zeros((1, 3)), talus.Footprint(max_y=np.nan))),
                 (ValueError, "wheels", lambda: talus.Footprint(wheels=3)),
                 (ValueError, "too large", lambda: talus.plan(m, LEVEL, (1, 0), talus.Footprint(max_x=1e9))),
                 (ValueError, "too large", lambda: talus.plan(m, LEVEL, (1, 0), talus.Footprint(max_x=np.nan))),
@@ -186,6 +193,31 @@ class Errors(unittest.TestCase):
             with self.assertRaisesRegex(kind, name):
                 call()
         self.assertTrue(np.isnan(m["ground"]).all(), "nothing has changed")
+
+
+    def test_are_told_of_objects_without_init_and_of_copies(self):
+        report = small_map().update(floor(), SENSOR)
+        for cls in (value for value in vars(talus._talus).values() if isinstance(value, type)):
+            empty = cls.__new__(cls)
+            for name in set(dir(cls)) - set(dir(object)):
+                args = {"__getitem__": ["ground"], "at": ["ground", np.zeros((1, 2))], "band": [""]}.get(name, [])
+                for args in (args, [SENSOR], [floor(), SENSOR], [SENSOR, 0.0, 0.0], [1.0, 1.0, 1.0, 1.0], [b""]):
+                    try:
+                        member = getattr(empty, name)
+                        if callable(member):
+                            member(*args)
+                    except (TypeError, ValueError):
+                        pass
+            self.assertRaises(TypeError, copy.copy, empty)
+        for thing in (small_map(), report, talus.Footprint()):
+            for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+                self.assertRaisesRegex(TypeError, "save", pickle.dumps, thing, protocol)
+        with self.assertRaises(TypeError):
+            talus.Map.__new__(talus.Map).shape
+        with self.assertRaises(TypeError):
+            talus.plan(talus.Map.__new__(talus.Map), LEVEL, (1, 0))
+        with self.assertRaises(TypeError):
+            small_map().heading_cost(np.zeros((1, 3)), talus.Footprint.__new__(talus.Footprint))
 
 
 class Memory(unittest.TestCase):

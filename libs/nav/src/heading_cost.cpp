@@ -190,9 +190,10 @@ void require_usable(const Footprint& robot, const Pose2& pose)
         "heading_cost(): the footprint needs three wheels or more that are not on one line");
   for (const double limit :
        {robot.wheel_radius_m, robot.ground_clearance_m, robot.max_along_rad, robot.max_across_rad,
-        robot.max_step_m})
+        robot.max_step_m, robot.max_x_m - robot.min_x_m, robot.max_y_m - robot.min_y_m})
     if (!(limit > 0))
-      throw std::invalid_argument("heading_cost(): a limit of the footprint is not above 0");
+      throw std::invalid_argument(
+          "heading_cost(): a limit or side of the footprint is not above 0");
 }
 }  // namespace
 

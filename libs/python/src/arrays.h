@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 #include <talus/elevation_mapper.h>
 #include <talus/map_view.h>
+#include <talus/nav/heading_cost.h>
 
 #include <chrono>
 #include <cmath>
@@ -45,6 +46,8 @@ py::array as_array(std::vector<T> values)
 
 /** Says what an argument is. */
 std::string shape_text(const py::array& a);
+/** Throws ValueError for an array with a mask, whose values would be read. */
+void refuse_masked(const py::object& value, const std::string& name);
 
 /** Numbers of an argument, float32 or float64, in an array of two dimensions with `columns` or more
  * columns; any strides. Throws ValueError that names the argument. */
@@ -151,8 +154,32 @@ auto locked(Map& map, const Work& work)
   return work(map.mapper);
 }
 
+class Frames;
+class SiteFile;
+
 void bind_map(py::module_& m);
 void bind_nav(py::module_& m);
 void bind_sources(py::module_& m);
 
 }  // namespace talus::python
+
+namespace pybind11::detail
+{
+/** Takes no object that __new__() made without __init__(): pybind11 would hand out memory as it is.
+ */
+template <class T>
+class type_caster<
+    T, enable_if_t<any_of<
+           std::is_same<T, talus::python::Map>, std::is_same<T, talus::FrameReport>,
+           std::is_same<T, talus::nav::Footprint>, std::is_same<T, talus::python::Frames>,
+           std::is_same<T, talus::python::SiteFile>>::value>> : public type_caster_base<T>
+{
+ public:
+  bool load(handle src, bool convert)
+  {
+    return type_caster_base<T>::load(src, convert) &&
+           (src.is_none() ||
+            reinterpret_cast<instance*>(src.ptr())->get_value_and_holder().holder_constructed());
+  }
+};
+}  // namespace pybind11::detail

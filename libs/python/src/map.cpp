@@ -150,6 +150,7 @@ PointsOfFrame frame_from(
 void add_channels(const Map& m, const py::object& values, PointsOfFrame& p)
 {
   if (values.is_none()) return;
+  if (!py::isinstance<py::dict>(values)) throw py::value_error("channels: must be a dict");
   const auto& channels = m.mapper.parameters().channels;
   for (const auto& [key, value] : values.cast<py::dict>())
   {
@@ -199,6 +200,8 @@ FrameReport update(
   p.time_s = values_from(times, "times", p.frame.size);
   if (!p.time_s.empty()) p.frame.time_s = p.time_s.data();
   p.frame.path = path_from(path);
+  if (p.frame.path.size() > 1 && times.is_none())
+    throw py::value_error("path: needs the times of the points");
   p.channels.reserve(kMaxChannels);
   add_channels(m, channels, p);
   const auto report = with_points(

@@ -10,6 +10,11 @@ std::string shape_text(const py::array& a)
   return text + (a.ndim() == 1 ? ",)" : ")");
 }
 
+void refuse_masked(const py::object& value, const std::string& name)
+{
+  if (py::hasattr(value, "mask")) throw py::value_error(name + ": is masked: fill it with NaN");
+}
+
 Table::Table(const py::object& value, const char* name, py::ssize_t columns)
 {
   const auto wrong = [&](const std::string& is)
@@ -23,7 +28,7 @@ Table::Table(const py::object& value, const char* name, py::ssize_t columns)
   array_ = py::reinterpret_borrow<py::array>(value);
   is_float_ = array_.dtype().equal(py::dtype::of<float>());
   const bool known = is_float_ || array_.dtype().equal(py::dtype::of<double>());
-  if (py::hasattr(value, "mask")) throw wrong("masked: fill it with NaN");
+  refuse_masked(value, name);
   if (!known || array_.ndim() != 2 || array_.shape(1) < columns) throw wrong(shape_text(array_));
   if (!array_.attr("flags").attr("aligned").cast<bool>()) throw wrong("not aligned");
   first_ = static_cast<const char*>(array_.data());
@@ -70,6 +75,7 @@ std::optional<Pose> optional_pose(const py::object& value, const char* name)
 std::vector<float> values_from(const py::object& value, const std::string& name, std::size_t size)
 {
   if (value.is_none()) return {};
+  refuse_masked(value, name);
   const auto array = py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(value);
   if (!array || array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != size)
   {
@@ -103,4 +109,17 @@ PYBIND11_MODULE(_talus, m)
 #ifdef TALUS_READS_FILES
   talus::python::bind_sources(m);
 #endif
+  // That of `object` ends the program for protocols 0 and 1: pybind11's base class has no
+  // instances.
+  namespace py = pybind11;
+  for (const auto& [name, type] : m.attr("__dict__").cast<py::dict>())
+    if (PyType_Check(type.ptr()))
+      type.attr("__reduce__") = py::cpp_function(
+          [](const py::object& self) -> py::tuple
+          {
+            throw py::type_error(
+                "cannot copy or pickle " + std::string(py::str(py::type::of(self))) +
+                "; Map.save() returns the state of a map");
+          },
+          py::is_method(type));
 }

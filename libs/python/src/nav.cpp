@@ -111,6 +111,7 @@ using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 Doubles doubles_from(const py::object& value, const char* name)
 {
+  refuse_masked(value, name);
   auto array = Doubles::ensure(value);
   if (!array) throw py::value_error(std::string(name) + ": must be numbers");
   return array;

@@ -11,8 +11,6 @@
 
 namespace talus::python
 {
-namespace
-{
 using namespace py::literals;
 
 constexpr double kMaxGap_s = 0.5;  // between poses, as that of talus-map
@@ -166,7 +164,6 @@ class SiteFile
   io::GeotiffFile file_;
   std::vector<std::string> bands_;
 };
-}  // namespace
 
 void bind_sources(py::module_& m)
 {

@@ -81,8 +81,8 @@ struct HeadingCost
  * and the room under its body, of the higher of the two surfaces of each cell. So a robot may stand
  * along a slope that it could not cross, and over a stone between its wheels. What hangs higher
  * than the map's `clearance_m` is passable, as everywhere. Throws std::invalid_argument for a pose
- * that is not finite and a footprint without three wheels that span a plane or with a limit that is
- * not positive; as MapView::layer() does; and all NaN for an empty map. */
+ * that is not finite and a footprint without three wheels that span a plane or with a limit or side
+ * that is not positive; as MapView::layer() does; and all NaN for an empty map. */
 HeadingCost heading_cost(const MapView& map, const Footprint& robot, const Pose2& T_map_base);
 
 }  // namespace talus::nav

@@ -30,12 +30,12 @@ struct ScannedHeight
  * stairs are flat, and a riser stands within the cell that it runs through. Where the cell is
  * measured, its neighbours have to be, too. The deviation is that of the plane, by how far the
  * cells on it and those a cell farther lie off it, so that it needs to know neither noise nor
- * relief. It is more at the rim of what was measured, and by that of the cell where it is filled;
- * half the square of a step down in the cell or beside it is added; where ground is presumed, the
- * distance to the robot by what the plane through its feet misses farther out; and from an unknown
- * cell 0.3 m a metre to the nearest known one. About 68 % of the errors are within it, and 95 %
- * within twice. Poses that drift are no part of it. Same bits for the same map. Throws
- * std::invalid_argument for a pose that is not finite, and as MapView::layer(). */
+ * relief. It is more at the rim of what was measured, where the two surfaces of these cells differ,
+ * and beside a step down; by that of a filled cell, the more the steeper it is; where ground is
+ * presumed, by the distance to the robot times what the plane through its feet misses farther out;
+ * and from an unknown cell by 0.3 m a metre to the nearest known one. About 68 % of the errors are
+ * within it, and 95 % within twice. Poses that drift are no part of it. Same bits for the same map.
+ * Throws std::invalid_argument for a pose that is not finite, and as MapView::layer(). */
 std::vector<ScannedHeight> height_scan(
     const MapView& map, const Pose& T_map_base, const std::vector<Point2>& points);
 
