@@ -1,11 +1,11 @@
 // Files of one scan: what is read of them, and what is said of those that are wrong.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <cmath>
-#include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <random>
+#include <string_view>
 
 #include "apps/common/memory_limit.h"
 #include "log_files.h"
