@@ -40,7 +40,7 @@ class TalusCalibrate : public talus::test::CommandTest
 const char* const kWaves =
     "{sine: {amplitude_m: 0.15, wavelength_m: 9, yaw_deg: 15}}, "
     "{sine: {amplitude_m: 0.06, wavelength_m: 4.5, yaw_deg: 100}}";
-const char* const kWay = "[[0, 0], [4, 1.5], [8, -1]]";
+const char* const kWay = "[[0, 0], [4, 1.5], [7, -0.25]]";
 // Of ten scans a second and all that they see, these take a third of the time.
 const std::string kFewScans = "--every 4 ", kNear = "drive.rawlog --max-range 4 --output out";
 
@@ -102,7 +102,7 @@ TEST_F(TalusCalibrate, RefusesASensorOnItsSideAndOneWhoseYawIsHalfATurnWrong)
 
 TEST_F(TalusCalibrate, RecommendsNoFitThatTheHeldOutFramesHardlyLike)
 {
-  simulate(kWaves, kWay, kFewScans + "--mounting-error 0,0,0,20,0,0");
+  simulate(kWaves, "[[0, 0], [4, 1.5], [8, -1]]", kFewScans + "--mounting-error 0,0,0,20,0,0");
   const auto done = runs(kNear);
   EXPECT_TRUE(done.says("the fit is not recommended")) << done.text;
   EXPECT_FALSE(done.says("to paste")) << done.text;

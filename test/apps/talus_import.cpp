@@ -132,25 +132,6 @@ std::string number(double value)
   std::snprintf(text, sizeof text, "%.17g", value);
   return text;
 }
-
-void expect_same_map(const std::string& a, const std::string& b, const std::string& what)
-{
-  for (const char* file : {"/map.tif", "/site.tif"})
-  {
-    const auto one = io::read_geotiff(a + file), other = io::read_geotiff(b + file);
-    ASSERT_EQ(one.names, other.names) << what;
-    ASSERT_EQ(one.layers.size(), other.layers.size());
-    for (std::size_t i = 0; i < one.layers.size(); ++i)
-    {
-      ASSERT_EQ(one.layers[i].size(), other.layers[i].size()) << what;
-      EXPECT_EQ(
-          std::memcmp(
-              one.layers[i].data(), other.layers[i].data(), one.layers[i].size() * sizeof(float)),
-          0)
-          << what << file << " " << one.names[i];
-    }
-  }
-}
 }  // namespace
 
 TEST_F(TalusImport, gives_the_map_of_the_log_that_the_scans_came_from_bit_by_bit)
@@ -164,40 +145,30 @@ TEST_F(TalusImport, gives_the_map_of_the_log_that_the_scans_came_from_bit_by_bit
   ASSERT_EQ(T.pitch(), 0);
   const std::string mounting = number(T.x()) + "," + number(T.y()) + "," + number(T.z()) + ",0,0,0";
 
-  struct Format
+  std::string times;
+  for (std::size_t i = 0; i < scans.size(); ++i)
   {
-    const char* name;
-    const char* ending;
-    std::string (*write)(const Points&);
-  };
-  const Format formats[] = {
-      {"kitti", ".bin", kitti_bin},
-      {"pcd_ascii", ".pcd", pcd_ascii},
-      {"pcd_binary", ".pcd", [](const Points& p) { return pcd_binary(p); }},
-      {"pcd_compressed", ".pcd", pcd_compressed},
-      {"ply_ascii", ".ply", ply_ascii},
-      {"ply_little", ".ply", ply_little},
-      {"ply_big", ".ply", ply_big}};
-  std::string logs;
-  for (const Format& f : formats)
-  {
-    const std::string folder = f.name, log = folder + ".rawlog";
-    std::string times;
-    for (std::size_t i = 0; i < scans.size(); ++i)
-    {
-      write(folder + "/00000" + std::to_string(i) + f.ending, f.write(points_of(scans[i])));
-      times += number(scans[i].stamp_s) + "\n";
-    }
-    write(folder + "/times.txt", times);
-    runs(
-        "talus-import " + folder + " --poses sim/demo.tum --mount " + folder + "=" + mounting +
-        " --output " + log);
-    EXPECT_EQ(read_bytes(dir_ / (folder + ".tum")), read_bytes(dir_ / "sim/demo.tum"));
-    logs += log + " ";
+    write("lidar/00000" + std::to_string(i) + ".pcd", pcd_compressed(points_of(scans[i])));
+    times += number(scans[i].stamp_s) + "\n";
   }
-  runs("talus-map " + logs + "--backend cpu --output maps --quiet");
-  for (const Format& f : formats)
-    expect_same_map(dir_ / "sim/map", dir_ / (std::string("maps/") + f.name), f.name);
+  write("lidar/times.txt", times);
+  runs(
+      "talus-import lidar --poses sim/demo.tum --mount lidar=" + mounting + " --output log.rawlog");
+  EXPECT_EQ(read_bytes(dir_ / "log.tum"), read_bytes(dir_ / "sim/demo.tum"));
+  runs("talus-map log.rawlog --backend cpu --output map --quiet");
+  for (const std::string file : {"map.tif", "site.tif"})
+  {
+    const auto one = io::read_geotiff(dir_ / ("sim/map/" + file)),
+               other = io::read_geotiff(dir_ / ("map/" + file));
+    ASSERT_EQ(one.names, other.names);
+    for (std::size_t i = 0; i < one.layers.size(); ++i)
+    {
+      ASSERT_EQ(one.layers[i].size(), other.layers[i].size());
+      const std::size_t bytes = one.layers[i].size() * sizeof(float);
+      EXPECT_EQ(std::memcmp(one.layers[i].data(), other.layers[i].data(), bytes), 0)
+          << file << " " << one.names[i];
+    }
+  }
   EXPECT_EQ(hidden(), 0);
 }
 
@@ -494,23 +465,6 @@ TEST_F(TalusImport, runs_the_commands_of_its_page)
   EXPECT_NEAR(z_m("360.tum"), 115 - 1.73, 1e-9);
   EXPECT_NEAR(z_m("utm.tum"), 152, 0.02);
   EXPECT_EQ(scans_of("map.rawlog").at(2).x_m.at(0), floor().x[0]);
-}
-
-TEST_F(TalusImport, keeps_world_coordinates_in_the_map)
-{
-  write("utm.ply", floor_in_world(floor(), 585146, 4076825, 152.5));
-  write("map.pcd", pcd_binary(floor()));
-  const CommandEnd o = run("talus-map utm.ply --backend cpu --output map");
-  EXPECT_EQ(o.code, 0) << o.text;
-  EXPECT_SAYS(o.text, "585146, 4076825, 152 m is taken off");
-  const auto map = io::read_geotiff(dir_ / "map/map.tif");
-  EXPECT_NEAR(map.min_x_m + 4, 585146, 0.1);
-  EXPECT_NEAR(map.min_y_m + 4, 4076825, 0.1);
-  const auto ground = std::find(map.names.begin(), map.names.end(), "ground_elevation");
-  ASSERT_NE(ground, map.names.end());
-  const auto& heights_m = map.layers[static_cast<std::size_t>(ground - map.names.begin())];
-  for (const float height_m : heights_m)
-    ASSERT_TRUE(std::isnan(height_m) || std::abs(height_m - 152) < 0.02) << height_m;
 }
 
 TEST_F(TalusImport, tells_nothing_false_of_real_scans)

@@ -78,20 +78,6 @@ TEST_F(TalusMap, takes_the_trajectory_beside_the_log)
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 9);
 }
 
-TEST_F(TalusMap, gathers_parts_of_a_scan_that_come_every_hundredth_of_a_second)
-{
-  Objects parts;
-  for (int i = 0; i < 25; ++i) parts.push_back(floor_scan(kFirstStamp_s + 0.01 * i));
-  write_log(path("drive.rawlog"), parts, Packing::Gz);
-  write_bytes(path("drive.tum"), straight_tum(4));
-  runs("drive.rawlog --every 2");
-  const auto j = summary("drive_map");
-  EXPECT_EQ(j["frames"], 4) << "the first, two of ten parts, and the rest";
-  EXPECT_EQ(j["frames_deskewed"], 3);
-  EXPECT_EQ(j["snapshots"], 2);
-  EXPECT_EQ(j["points"]["in"], 25 * 61 * 61);
-}
-
 TEST_F(TalusMap, finds_the_trajectory_beside_a_compressed_log_and_prefers_the_one_given)
 {
   write_log(path("drive.rawlog.gz"), floor_scans(3), Packing::Gz);

@@ -4,7 +4,6 @@
 
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 
 #include <cstdint>
 #include <random>
@@ -37,35 +36,11 @@ class TalusMapBadInput : public TalusMap
 };
 }  // namespace
 
-TEST_F(TalusMapBadInput, a_missing_file_a_directory_an_empty_file_and_a_text_file_are_named)
-{
-  std::filesystem::create_directory(path("folder.rawlog"));
-  write_bytes(path("empty.rawlog"), "");
-  write_bytes(path("text.rawlog"), "this is not a log at all, only some lines of text\n");
-  expect_failure(
-      "--static none.rawlog folder.rawlog empty.rawlog text.rawlog", 1,
-      {"none.rawlog: no such file", "folder.rawlog: ", "no scans", "empty.rawlog: ", "empty",
-       "text.rawlog: "});
-}
-
 TEST_F(TalusMapBadInput, a_name_with_a_line_break_is_told_in_one_line)
 {
   write_bytes(path("a\nb.tum"), "no poses");
   write_good_log("x.rawlog");
   EXPECT_TRUE(run("x.rawlog --trajectory 'a\nb.tum' --output out").says("a\\x0ab.tum"));
-}
-
-TEST_F(TalusMapBadInput, a_pipe_in_the_place_of_an_input_is_refused_without_waiting_for_it)
-{
-  write_good_log("a.rawlog");
-  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
-  for (const char* arguments :
-       {"--static pipe", "a.rawlog --trajectory pipe", "--static a.rawlog --config pipe"})
-  {
-    const CommandEnd refused = run(std::string(arguments) + " --output out", "timeout -s KILL 20");
-    EXPECT_TRUE(refused.says("pipe: is a pipe or a device")) << arguments << ": " << refused.err;
-    EXPECT_FALSE(exists("out"));
-  }
 }
 
 TEST_F(TalusMapBadInput, a_log_that_cannot_be_mapped_says_why_and_what_to_pass)
@@ -91,39 +66,6 @@ TEST_F(TalusMapBadInput, a_log_that_cannot_be_mapped_says_why_and_what_to_pass)
   fails("unstamped.rawlog --trajectory old.tum", {"no time stamps", "--static"});
   fails("--static imu.rawlog", {"imu.rawlog", "CObservationIMU", "CObservationPointCloud"});
   fails("--static a.rawlog -s min_height_m=0", {"100 % height", "min_height_m"});
-}
-
-TEST_F(TalusMapBadInput, points_that_are_nan_infinite_or_without_return_are_counted)
-{
-  auto obs = floor_scan(kFirstStamp_s);
-  obs->pointcloud->insertPointFast(NAN, 0, 0);
-  obs->pointcloud->insertPointFast(0, INFINITY, 0);
-  obs->pointcloud->insertPointFast(0, 0, 0);
-  write_log(path("a.rawlog"), {obs}, Packing::Gz);
-  runs("--static a.rawlog");
-  const auto rejected = summary("a_map")["points"]["rejected"];
-  EXPECT_EQ(rejected["not_finite"], 2);
-  EXPECT_EQ(rejected["range"], 1);
-}
-
-TEST_F(TalusMapBadInput, bytes_changed_anywhere_in_a_log_cost_that_log_at_most)
-{
-  write_log(path("good.rawlog"), floor_scans(2), Packing::Plain);
-  const std::string bytes = read_bytes(path("good.rawlog"));
-  std::mt19937 random(7);
-  std::string logs;
-  for (int i = 0; i < 12; ++i)
-  {
-    // The first hundred bytes hold class names, versions and lengths: the most dangerous ones.
-    std::string changed = bytes;
-    for (int k = 0; k < 3; ++k) changed[random() % 100] = static_cast<char>(random() % 256);
-    const std::string name = "bad" + std::to_string(i) + ".rawlog";
-    write_bytes(path(name), changed);
-    logs += name + " ";
-  }
-  const CommandEnd done = run("--static " + logs + "good.rawlog --output out");
-  EXPECT_LE(done.code, 1) << done.err;
-  EXPECT_TRUE(exists("out/good/map.tif"));
 }
 
 TEST_F(TalusMapBadInput, a_damaged_length_is_not_believed)

@@ -124,7 +124,7 @@ TEST_F(TalusNav, says_blocked_where_there_is_no_way_and_writes_everything)
 
 TEST_F(TalusNav, gives_the_same_path_with_the_same_seed)
 {
-  const std::string arguments = "--goal 15,0 --timeout 4 --quiet --backend auto";
+  const std::string arguments = "--goal 15,0 --timeout 3.2 --quiet --backend auto";
   EXPECT_EQ(drive("nav_indoor.yaml", arguments + " --output a --seed 5"), 5);
   EXPECT_EQ(text("out.txt") + text("err.txt"), "");
   EXPECT_EQ(drive("nav_indoor.yaml", arguments + " --output b --seed 5"), 5);

@@ -3,7 +3,7 @@
 
   test/cluster/batch.py BIN_DIR [--laptop]
 
-Ten generated drives that overlap or do not, and a log that cannot be mapped. On the laptop the run is killed in the middle
+Six generated drives that overlap or do not, and a log that cannot be mapped. On the laptop the run is killed in the middle
 and started again; on Slurm a node dies in the middle. --laptop: without Slurm. Exit code 1 when anything does not hold, 77
 with a reason where it cannot be tried.
 """
@@ -25,7 +25,8 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 BATCH = os.path.join(HERE, "../../apps/talus-batch/talus-batch")
 CANNOT_BE_TRIED = 77
 LONGEST_S = 150  # of one run, on a machine with other things to do
-DRIVES = 10
+DRIVES = 6
+NEAR = 3  # of them
 CORES = 2
 WORLD = """name: drive
 seed: {seed}
@@ -49,14 +50,14 @@ class Test:
             print(f"FAILED: {message}", flush=True)
 
     def make_logs(self):
-        """Five cross each other near the origin, five are 40 m away or more, one of them 30 km; two are called the same."""
+        """Three cross each other near the origin, three are 40 m away or more, one of them 30 km; two are called the same."""
         for i in range(DRIVES):
-            x, y = (0.8 * i, 0.4 * i - 1) if i < 5 else (40 + 15 * (i - 5) if i < 9 else 30000, 0)
-            name = "drive" if i in (0, 5) else f"drive_{i}"
-            folder = os.path.join(self.logs, "near" if i < 5 else "far")
+            x, y = (0.8 * i, 0.4 * i - 1) if i < NEAR else (40 + 15 * (i - NEAR) if i < DRIVES - 1 else 30000, 0)
+            name = "drive" if i in (0, NEAR) else f"drive_{i}"
+            folder = os.path.join(self.logs, "near" if i < NEAR else "far")
             world = self.path(f"{name}.yaml")
             with open(world, "w") as file:
-                file.write(WORLD.format(seed=i + 1, x=x, y=y, to_x=x + 6, to_y=y + 1 - 0.5 * i if i < 5 else y + 2))
+                file.write(WORLD.format(seed=i + 1, x=x, y=y, to_x=x + 6, to_y=y + 1 - 0.5 * i if i < NEAR else y + 2))
             subprocess.run([os.path.join(self.bin_dir, "talus-sim"), world, "--output", folder, "--frames", "60", "--resolution",
                             "0.5", "--quiet"], check=True)
         shutil.copyfile(os.path.join(self.logs, "near/drive.rawlog"), os.path.join(self.logs, "no_poses.rawlog"))

@@ -111,7 +111,7 @@ TEST(FramesInFlight, AlsoOnWideMapsWhoseLayersAreCopiedAndOfLargeScansVoxelsAndP
 {
   Parameters voxels = window(6);
   voxels.voxel_m = 0.1;
-  Both wide(window(20.5), kTwo), wide_with_many(window(20.5), kMany), filtered(voxels, kTwo);
+  Both wide(window(18.5), kTwo), wide_with_many(window(18.5), kMany), filtered(voxels, kTwo);
   for (int i = 0; i < 20; i++)
   {
     ASSERT_NO_FATAL_FAILURE(filtered.feed(scan_at(i), i % 3 != 0));

@@ -83,7 +83,7 @@ TEST(Stage3Update, ALowerPointLeavesElevationAndItsVarianceAsTheyAre)
 
 TEST(Stage3Update, TheVarianceHasAFloor)
 {
-  TestMap m(column({0.0, 0.001, -0.001}), with({{"min_variance_m2", 1e-5}}), 100);
+  TestMap m(column({0.0, 0.001, -0.001}), with({{"min_variance_m2", 1e-5}}), 12);
   EXPECT_FLOAT_EQ(m.fused_variance(kX, kY), 1e-5f);
 }
 

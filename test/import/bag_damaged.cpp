@@ -12,17 +12,6 @@ using namespace talus::test;
 
 namespace
 {
-std::string bytes_of(const std::string& path)
-{
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void write(const std::string& path, const std::string& bytes)
-{
-  std::ofstream(path, std::ios::binary) << bytes;
-}
-
 /** Whether it was read; what was is as promised. */
 bool is_read(const std::string& path, bool partial = false)
 {
@@ -66,10 +55,10 @@ TEST(BagDamaged, WhatIsCutShortIsRefused)
   for (const std::string name : kBags)
   {
     ASSERT_TRUE(make_bags(dir, name));
-    const auto whole = bytes_of(dir / name);
+    const auto whole = read_bytes(dir / name);
     for (std::size_t cut = 1; cut < 40; ++cut)
     {
-      write(dir / name, whole.substr(0, whole.size() * cut / 40));
+      write_bytes(dir / name, whole.substr(0, whole.size() * cut / 40));
       EXPECT_FALSE(is_read(dir / name)) << name << " cut at " << cut << "/40";
     }
     std::filesystem::remove(dir / name);
@@ -85,10 +74,10 @@ TEST(BagDamaged, ChangedBytesAreRefusedOrRead)
   for (const std::string name : kBags)
   {
     ASSERT_TRUE(make_bags(dir, name));
-    const auto whole = bytes_of(dir / name);
+    const auto whole = read_bytes(dir / name);
     for (int round = 0; round < 200; ++round)
     {
-      write(dir / name, changed(whole, random));
+      write_bytes(dir / name, changed(whole, random));
       const bool is_whole = is_read(dir / name);
       (is_whole ? read : refused)++;
       if (is_read(dir / name, true) && !is_whole) ++in_part;
@@ -108,10 +97,10 @@ TEST(BagDamaged, ChangedBytesInAWalOrAJournalAreRefusedOrRead)
   for (const std::string name : {"wal_killed.db3", "journal.db3"})
   {
     const auto log = (dir / name) + (name == "journal.db3" ? "-journal" : "-wal");
-    const auto whole = bytes_of(log);
+    const auto whole = read_bytes(log);
     for (int round = 0; round < 100; ++round)
     {
-      write(log, changed(whole, random));
+      write_bytes(log, changed(whole, random));
       for (const bool partial : {false, true}) read += is_read(dir / name, partial) ? 1 : 0;
     }
   }

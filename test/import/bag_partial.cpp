@@ -9,12 +9,6 @@ using namespace talus::test;
 
 namespace
 {
-std::string bytes_of(const std::string& path)
-{
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 SourceOptions in_part()
 {
   SourceOptions options;
@@ -54,7 +48,7 @@ TEST_P(BagPartial, WhatIsBeforeTheCutIsReadAndItIsSaid)
 {
   const std::string name = GetParam();
   MAKE_BAGS(name);
-  const auto whole = bytes_of(dir / name);
+  const auto whole = read_bytes(dir / name);
   std::size_t before = 0;
   for (std::size_t twentieths = 1; twentieths < 20; ++twentieths)
   {
@@ -78,7 +72,7 @@ TEST(BagPartial, AChunkThatIsCutGivesWhatComesOutOfIt)
   MAKE_BAGS("one_chunk_zstd.mcap one_chunk_lz4.mcap one_chunk.mcap");
   for (const std::string name : {"one_chunk_zstd.mcap", "one_chunk_lz4.mcap", "one_chunk.mcap"})
   {
-    const auto whole = bytes_of(dir / name);
+    const auto whole = read_bytes(dir / name);
     std::ofstream(dir / name, std::ios::binary) << whole.substr(0, whole.size() / 2);
     const auto scans = scans_of(dir / name, "/front/points", in_part()).size();
     EXPECT_TRUE(scans >= 30 && scans < 190) << name << ": " << scans;
@@ -88,7 +82,7 @@ TEST(BagPartial, AChunkThatIsCutGivesWhatComesOutOfIt)
 TEST(BagPartial, MessagesBeforeTheCutAreReadWhereThePagesThatLeadToThemAreBehindIt)
 {
   MAKE_BAGS("deep.db3");
-  const auto whole = bytes_of(dir / "deep.db3");
+  const auto whole = read_bytes(dir / "deep.db3");
   for (const std::size_t twentieth : {2, 4, 10, 18})
   {
     const auto scans = many_scans_before(dir / "deep.db3", whole, whole.size() * twentieth / 20);
@@ -99,7 +93,7 @@ TEST(BagPartial, MessagesBeforeTheCutAreReadWhereThePagesThatLeadToThemAreBehind
 TEST(BagPartial, AMessageThatEndsInThePageThatIsCutIsLeftOut)
 {
   MAKE_BAGS("wide.db3");
-  const auto whole = bytes_of(dir / "wide.db3");
+  const auto whole = read_bytes(dir / "wide.db3");
   const std::size_t half = whole.size() / 2;
   for (std::size_t cut = half; cut < half + 3000; cut += 100)
     EXPECT_GT(many_scans_before(dir / "wide.db3", whole, cut), 85u) << cut;
@@ -108,7 +102,7 @@ TEST(BagPartial, AMessageThatEndsInThePageThatIsCutIsLeftOut)
 TEST(BagPartial, AChunkThatIsDamagedIsLeftOutAndToldAlone)
 {
   MAKE_BAGS("zstd.mcap");
-  auto bytes = bytes_of(dir / "zstd.mcap");
+  auto bytes = read_bytes(dir / "zstd.mcap");
   bytes[bytes.size() / 3] = static_cast<char>(bytes[bytes.size() / 3] ^ 0x55);
   std::ofstream(dir / "zstd.mcap", std::ios::binary) << bytes;
   EXPECT_TRUE(holds(error_of(dir / "zstd.mcap"), "--partial"));
@@ -131,7 +125,7 @@ TEST(BagPartial, OfAFolderOnePartMayBeCut)
 {
   MAKE_BAGS("parts_without_metadata");
   const auto part = (dir / "parts_without_metadata") + "/part_4.db3";
-  const auto whole = bytes_of(part);
+  const auto whole = read_bytes(part);
   std::ofstream(part, std::ios::binary) << whole.substr(0, whole.size() * 2 / 3);
   EXPECT_TRUE(holds(error_of(dir / "parts_without_metadata"), "part_4.db3: is cut"));
   const auto scans = scans_of(dir / "parts_without_metadata", "/front/points", in_part()).size();

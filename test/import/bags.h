@@ -8,6 +8,7 @@
 
 #include "formats.h"
 #include "log_files.h"
+#include "message_of.h"
 
 namespace talus::test
 {
@@ -64,16 +65,8 @@ inline std::vector<import::ImportedScan> scans_of(
 
 inline std::string error_of(const std::string& path, const import::SourceOptions& options = {})
 {
-  try
-  {
-    const auto source = import::open_bag_source({path}, options);
-    all_of(*source);
-  }
-  catch (const std::runtime_error& e)
-  {
-    return e.what();
-  }
-  return "";
+  const std::string error = message_of([&] { all_of(*import::open_bag_source({path}, options)); });
+  return error == "no error" ? "" : error;
 }
 
 inline std::string remarks_of(const std::string& path, const import::SourceOptions& options = {})

@@ -124,46 +124,10 @@ def mcap(**more):
         return bytearray(open(path, "rb").read())
 
 
-def channel_of(data, topic):
-    for at, op, _ in records(data):
-        if op == 4 and topic.encode() in data[at : at + 40]:
-            return struct.unpack_from("<H", data, at + 9)[0]
-
-
-def indexes_of(data, topic):
-    channel = channel_of(data, topic)
-    return [(at, length) for at, op, length in records(data) if op == 7 and struct.unpack_from("<H", data, at + 9)[0] == channel]
-
-
-def lie_index(path, program):
-    """Half of the indexes say that they are of another channel."""
-    data = mcap(program=program)
-    imu = channel_of(data, "/imu")
-    for at, _ in indexes_of(data, "/front/points")[1::2]:
-        struct.pack_into("<H", data, at + 9, imu)
-    open(path, "wb").write(data)
-
-
-def lose_index(path, program):
-    data = mcap(program=program)
-    for at, length in reversed(indexes_of(data, "/front/points")[1::2]):
-        del data[at : at + 9 + length]
-    open(path, "wb").write(data)
-
-
-def lose(path, wanted, program="zstd"):
-    """Without one record in the middle."""
-    data = mcap(program=program)
-    of_kind = [(at, length) for at, op, length in records(data) if op == wanted]
-    at, length = of_kind[len(of_kind) // 2]
-    del data[at : at + 9 + length]
-    open(path, "wb").write(data)
-
-
-def lose_message(path):
-    """Without chunks, and without one of its messages."""
-    data = mcap(chunked=False)
-    at, length = [(at, length) for at, op, length in records(data) if op == 5][20]
+def lose(path, wanted, number, **more):
+    """Without one record of a kind."""
+    data = mcap(**more)
+    at, length = [(at, length) for at, op, length in records(data) if op == wanted][number]
     del data[at : at + 9 + length]
     open(path, "wb").write(data)
 
@@ -192,7 +156,7 @@ def twice(path):
 def since_boot(path, clouds=True, links=False, moving=False):
     """Stamps of a clock that began 614 s ago, of clouds or of all that moves."""
     rows, early = [], mb.START_S * mb.NS - 614_660_000_000
-    fields = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32), ("timestamp", 16, mb.FLOAT64)]
+    fields = mb.XYZ + [("timestamp", 16, mb.FLOAT64)]
     for i in range(10):
         at = mb.stamp(0.1 * i)
         of_cloud, of_link = at - early * clouds, at - early * links
@@ -221,11 +185,11 @@ def ahead(path, seconds, jump=False, poses=0, sweep=0.0, stalls=False):
 
 def rare_tf(path):
     """A mounting that is published in /tf, once, late."""
-    fields, rows = [(name, 4 * i, mb.FLOAT32) for i, name in enumerate("xyz")], []
+    rows = []
     for i in range(20):
         at = mb.stamp(0.1 * i)
         rows.append((at, "/tf", mb.TF, mb.transforms((at, "odom", "base_link", 0.1 * i, 0, 0, 0))))
-        rows.append((at, "/points", mb.CLOUD, mb.cloud(at, "lidar", fields, 12, [(1, 2, 3)])))
+        rows.append((at, "/points", mb.CLOUD, mb.cloud(at, "lidar", mb.XYZ, 12, [(1, 2, 3)])))
     rows.append((mb.stamp(1), "/tf", mb.TF, mb.transforms((mb.stamp(1), "base_link", "lidar", 0, 0, 1, 0))))
     mb.write_mcap(path, [rows])
 
@@ -239,13 +203,13 @@ def not_stamped(path):
 
 def with_maps(path):
     """A LiDAR, and what a SLAM makes of it: its map in two frames, and scans in the frame of the map."""
-    fields, rows = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)], []
+    rows = []
     for i in range(10):
         at, points = mb.stamp(0.2 * i), [(k, 1, 2) for k in range(10 + i // 2)]
         rows.append((at, "/tf", mb.TF, mb.transforms((at, "map", "base_link", 0.3 * i, 0, 0, 0))))
         for topic, frame, some in (("/points", "base_link", [(i, 2, 3), (4, 5, 6)]), ("/grows", "lidar_map", points),
                                    ("/repeats", "lidar_map", points[:5]), ("/registered", "map", [(i, 2, 3)])):
-            rows.append((at, topic, mb.CLOUD, mb.cloud(at, frame, fields, 12, some)))
+            rows.append((at, topic, mb.CLOUD, mb.cloud(at, frame, mb.XYZ, 12, some)))
     mb.write_mcap(path, [rows])
 
 
@@ -255,7 +219,6 @@ def copies(path):
 
     numbers, rows = random.Random(3), [(mb.stamp(0), "/tf_static", mb.TF, mb.transforms(
         (mb.stamp(0), "base_link", "lidar", 0.1, 0, 0.7, 0), (mb.stamp(0), "base_link", "rear", -0.5, 0, 0.7, 0)))]
-    fields = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)]
     some = lambda: [(numbers.uniform(-9, 9), numbers.uniform(-9, 9), numbers.uniform(-1, 1)) for _ in range(200)]
     for i in range(10):
         at, points = mb.stamp(0.1 * i), some()
@@ -263,29 +226,28 @@ def copies(path):
         for topic, frame, cloud in (("/a_base", "base_link", [(x + 0.1, y, z + 0.7) for x, y, z in points]),
                                     ("/points", "lidar", points), ("/thin", "lidar", points[::3]),
                                     ("/rear", "rear", some())):
-            rows.append((at, topic, mb.CLOUD, mb.cloud(at, frame, fields, 12, cloud)))
+            rows.append((at, topic, mb.CLOUD, mb.cloud(at, frame, mb.XYZ, 12, cloud)))
     mb.write_mcap(path, [rows])
 
 
 def no_returns(path, count):
     """In the frame of the base: ground that an exact sensor sees, and at its place what gave no return."""
-    fields, rows = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)], []
+    rows = []
     for i in range(10):
         points = [(2 + 0.1 * k, 0, 0) for k in range(30)] + [(2, 1, 0.1 * i)] + [(0.2, 0, 0.7)] * count
-        rows.append((mb.stamp(i), "/points", mb.CLOUD, mb.cloud(mb.stamp(i), "base_link", fields, 12, points)))
+        rows.append((mb.stamp(i), "/points", mb.CLOUD, mb.cloud(mb.stamp(i), "base_link", mb.XYZ, 12, points)))
     mb.write_mcap(path, [rows])
 
 
 def wrong_order(path):
     """A cloud that says it is big endian, and is not."""
-    fields = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)]
-    good = mb.cloud(mb.stamp(0), "lidar", fields, 12, [(1.1 * k, 2.3, 0.7) for k in range(5)])
+    good = mb.cloud(mb.stamp(0), "lidar", mb.XYZ, 12, [(1.1 * k, 2.3, 0.7) for k in range(5)])
     at = good.index(struct.pack("<fff", 0, 2.3, 0.7)) - 16  # flag, padding, steps, bytes
     assert good[at] == 0
     mb.write_mcap(path, [[(mb.stamp(0), "/points", mb.CLOUD, good[:at] + b"\1" + good[at + 1 :])]])
 
 
-def tf_bomb(path, program, chunks, links):
+def tf_bomb(path, chunks, links):
     """Some KB that unpack to very many links, each of another time."""
     some = mb.transforms(*[(mb.stamp(0), "odom", "base_link", 0, 0, 0, 0)] * 3)
     size = 96  # of all but the first, by where they lie
@@ -299,20 +261,20 @@ def tf_bomb(path, program, chunks, links):
             struct.pack_into("<II", many, at, mb.START_S + c * links + i, 0)
         groups.append([(mb.stamp(c), "/tf", mb.TF, bytes(many))])
     groups.append(mb.of("/front/points", "/tf_static"))
-    mb.write_mcap(path, groups, program)
+    mb.write_mcap(path, groups, "zstd")
 
 
-def frame_bomb(path, program):
+def frame_bomb(path):
     """Of TF very many frames."""
     links = [(0, "odom", f"frame_{i}", 0, 0, 0, 0) for i in range(11000)]
-    mb.write_mcap(path, [[(mb.stamp(0), "/tf", mb.TF, mb.transforms(*links))], mb.of("/front/points")], program)
+    mb.write_mcap(path, [[(mb.stamp(0), "/tf", mb.TF, mb.transforms(*links))], mb.of("/front/points")], "zstd")
 
 
-def cloud_bomb(path, program, in_message):
+def cloud_bomb(path, in_message):
     """A cloud of millions of points that are all the same."""
     whole = cloud_of_many(5_000_000)
     rows = [(mb.stamp(0), "/points", mb.CLOUD, mb.packed(whole, "zstd") if in_message else whole)]
-    mb.write_mcap(path, [rows], program)
+    mb.write_mcap(path, [rows], "" if in_message else "zstd")
 
 
 def chunk_bomb(path, program):
@@ -320,20 +282,19 @@ def chunk_bomb(path, program):
     mb.write_mcap(path, [[(mb.stamp(0), "/points", mb.CLOUD, b"\0" * 20_000_000)]], program)
 
 
-def topic_bomb(path, program):
+def topic_bomb(path):
     """Topics whose names take 5 MB."""
     rows = [(mb.stamp(0), "/" + "x" * 50000 + str(i), mb.CLOUD, b"") for i in range(100)]
-    mb.write_mcap(path, [rows], program, indexed=False)
+    mb.write_mcap(path, [rows], "zstd", indexed=False)
 
 
-def overlapping_bomb(path, program):
+def overlapping_bomb(path):
     """Chunks of 8 MB that all begin at one time."""
-    fields = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)]
-    empty = mb.cloud(mb.stamp(0), "lidar", fields, 12, [])
+    empty = mb.cloud(mb.stamp(0), "lidar", mb.XYZ, 12, [])
     body = empty[:-9] + struct.pack("<II", 12, 0) + struct.pack("<I", 0) + b"\0"
     rows = [(mb.stamp(0), "/points", mb.CLOUD, body), (mb.stamp(9), "/points", mb.CLOUD, body + b"\0" * 8_000_000)]
     last = [(mb.stamp(10), "/points", mb.CLOUD, cloud_of_many(1_400_000))]
-    mb.write_mcap(path, [rows] * 14 + [last], program)
+    mb.write_mcap(path, [rows] * 14 + [last], "zstd")
 
 
 def cloud_of_many(count):
@@ -348,11 +309,10 @@ def many_scans(count=200):
     """With points that do not pack well. Where they are few, the tree of a database has three levels."""
     import random
     numbers = random.Random(7)
-    fields = [("x", 0, mb.FLOAT32), ("y", 4, mb.FLOAT32), ("z", 8, mb.FLOAT32)]
     rows = []
     for i in range(200):
         points = [(i, numbers.random(), numbers.random()) for _ in range(count)]
-        rows.append((mb.stamp(0.1 * i), "/front/points", mb.CLOUD, mb.cloud(mb.stamp(0.1 * i), "lidar", fields, 12, points)))
+        rows.append((mb.stamp(0.1 * i), "/front/points", mb.CLOUD, mb.cloud(mb.stamp(0.1 * i), "lidar", mb.XYZ, 12, points)))
     return rows
 
 
@@ -376,8 +336,8 @@ def bags(folder):
         "two_recorders": two_recorders,
         "lie_statistics.mcap": lambda n: lie_statistics(n, 0),
         "lie_channel.mcap": lambda n: lie_statistics(n, 48),
-        "lost_chunk.mcap": lambda n: lose(n, 6),
-        "lost_message.mcap": lose_message,
+        "lost_chunk.mcap": lambda n: lose(n, 6, 4),
+        "lost_message.mcap": lambda n: lose(n, 5, 20, chunked=False),
         "flip_index.mcap": lambda n: flip(n, 7, 7),
         "flip_summary.mcap": lambda n: flip(n, 11, 10),
         "twice.mcap": twice,
@@ -399,16 +359,14 @@ def bags(folder):
         "no_returns_9.mcap": lambda n: no_returns(n, 9),
         "wrong_order.mcap": wrong_order,
         "one_chunk.mcap": lambda n: mb.write_mcap(n, [many_scans()]),
-        "cloud_bomb_message.mcap": lambda n: cloud_bomb(n, "", True),
+        "tf_bomb.mcap": lambda n: tf_bomb(n, 12, 30000),
+        "frame_bomb.mcap": frame_bomb,
+        "topic_bomb.mcap": topic_bomb,
+        "overlapping_bomb.mcap": overlapping_bomb,
+        "cloud_bomb.mcap": lambda n: cloud_bomb(n, False),
+        "cloud_bomb_message.mcap": lambda n: cloud_bomb(n, True),
     }
     for program in ("zstd", "lz4"):
-        names[f"lie_index_{program}.mcap"] = lambda n, program=program: lie_index(n, program)
-        names[f"lose_index_{program}.mcap"] = lambda n, program=program: lose_index(n, program)
-        names[f"tf_bomb_{program}.mcap"] = lambda n, program=program: tf_bomb(n, program, 12, 30000)
-        names[f"frame_bomb_{program}.mcap"] = lambda n, program=program: frame_bomb(n, program)
         names[f"chunk_bomb_{program}.mcap"] = lambda n, program=program: chunk_bomb(n, program)
-        names[f"topic_bomb_{program}.mcap"] = lambda n, program=program: topic_bomb(n, program)
-        names[f"overlapping_bomb_{program}.mcap"] = lambda n, program=program: overlapping_bomb(n, program)
         names[f"one_chunk_{program}.mcap"] = lambda n, program=program: mb.write_mcap(n, [many_scans()], program)
-        names[f"cloud_bomb_{program}.mcap"] = lambda n, program=program: cloud_bomb(n, program, False)
     return {p(name): write for name, write in names.items()}

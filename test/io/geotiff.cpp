@@ -264,14 +264,3 @@ TEST(GeoTiff, reading_refuses_a_place_that_is_none_and_more_cells_than_fit)
   write(dir / "huge.tif", 100'000, 0);
   expect_error([&] { read_geotiff(dir / "huge.tif"); }, {"huge.tif", "2^30 cells"});
 }
-
-TEST(GeoTiff, holds_every_layer_of_a_map_in_their_order)
-{
-  const ElevationMapper map;
-  const LayerStack stack = snapshot(map);
-  ASSERT_EQ(stack.names.size(), static_cast<std::size_t>(kLayerCount));
-  for (int i = 0; i < kLayerCount; ++i) EXPECT_EQ(stack.names[i], kLayerTable[i].name);
-  EXPECT_EQ(stack.cells_x, 160);
-  EXPECT_NE(stack.find("traversability"), nullptr);
-  EXPECT_EQ(stack.find("colour"), nullptr);
-}

@@ -6,6 +6,7 @@
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <talus/io/trajectory.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -81,47 +82,38 @@ TEST(Trajectory, TurnsTheShortWayRound)
   EXPECT_NEAR(std::abs(t.at(0.5, 5)->yaw()), 180 * kDegree, 1e-9);
 }
 
-TEST(Trajectory, GivesNothingInsideAGapThatIsTooLong)
+TEST(Trajectory, GivesNothingInALongGapOutsideOrForNoTimeButTheEntriesToAMillisecond)
 {
   const Trajectory t({{0, pose(0)}, {1, pose(1)}, {5, pose(5)}});
-  EXPECT_TRUE(t.at(0.5, 1.0));
-  EXPECT_FALSE(t.at(3, 1.0));
-  EXPECT_TRUE(t.at(3, 4.0));
-  EXPECT_FALSE(t.at(3, 3.999));
-}
-
-TEST(Trajectory, TakesTheEntryItselfAtTheEdgeOfALongGapWhenTheStampIsRounded)
-{
-  const Trajectory t({{0, pose(0)}, {5, pose(5)}});
-  EXPECT_EQ(t.at(5, 1.0)->x(), 5);
-  EXPECT_EQ(t.at(4.9995, 1.0)->x(), 5);
-  EXPECT_EQ(t.at(0.0005, 1.0)->x(), 0);
-  EXPECT_FALSE(t.at(4.998, 1.0));
-}
-
-TEST(Trajectory, GivesNothingOutsideByMoreThanOneMillisecond)
-{
-  const Trajectory t({{100, pose(1)}, {101, pose(2)}});
-  EXPECT_EQ(t.at(99.9995, 10)->x(), 1);
-  EXPECT_EQ(t.at(101.0005, 10)->x(), 2);
-  EXPECT_FALSE(t.at(99.99, 10));
-  EXPECT_FALSE(t.at(101.01, 10));
-  EXPECT_FALSE(t.at(0, 1e9));
+  constexpr double kNone = -1, kInfinity = std::numeric_limits<double>::infinity();
+  for (const auto& [time_s, max_gap_s, x_m] : std::vector<std::array<double, 3>>{
+           {0.5, 1, 0.5},
+           {3, 1, kNone},
+           {3, 4, 3},
+           {3, 3.999, kNone},
+           {5, 1, 5},
+           {4.9995, 1, 5},
+           {1.0005, 1, 1},
+           {4.998, 1, kNone},
+           {-0.0005, 10, 0},
+           {5.0005, 10, 5},
+           {-0.01, 10, kNone},
+           {5.01, 10, kNone},
+           {-100, 1e9, kNone},
+           {NAN, 10, kNone},
+           {kInfinity, 10, kNone}})
+  {
+    const auto p = t.at(time_s, max_gap_s);
+    EXPECT_DOUBLE_EQ(p ? p->x() : kNone, x_m) << time_s << " " << max_gap_s;
+  }
+  EXPECT_TRUE(Trajectory().empty());
+  EXPECT_FALSE(Trajectory().at(0, 10));
 }
 
 TEST(Trajectory, RefusesTimesAndPosesThatAreNotFinite)
 {
   EXPECT_THROW(Trajectory({{0, pose(0)}, {std::nan(""), pose(1)}}), std::invalid_argument);
   EXPECT_THROW(Trajectory({{0, pose(std::nan(""))}}), std::invalid_argument);
-}
-
-TEST(Trajectory, AnswersQueriesThatMakeNoSenseWithNothing)
-{
-  const Trajectory t({{0, pose(0)}, {1, pose(1)}});
-  EXPECT_FALSE(t.at(std::nan(""), 10));
-  EXPECT_FALSE(t.at(std::numeric_limits<double>::infinity(), 10));
-  EXPECT_TRUE(Trajectory().empty());
-  EXPECT_FALSE(Trajectory().at(0, 10));
 }
 
 TEST(TumFile, ReadsPosesBetweenCommentsBlankLinesAndWindowsLineEnds)

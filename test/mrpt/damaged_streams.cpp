@@ -482,7 +482,8 @@ TEST(DamagedSnapshot, a_layer_that_is_damaged_inside_throws_where_it_is_unpacked
     s.layers = {{"state", 0, 1, zlib}};
     CObservationTraversability o;
     ASSERT_EQ(refusal(s.bytes(), o), "");
-    for (int i = 0; i < 2; i++) EXPECT_THROW(o.layer(Layer::State), std::runtime_error) << i;
+    for (int i = 0; i < 2; i++)
+      EXPECT_TRUE(has(message_of([&] { o.layer(Layer::State); }), "the layer state is damaged"));
     EXPECT_THROW(o.summary(), std::runtime_error);
   }
 }

@@ -185,21 +185,6 @@ TEST(Snapshot, of_a_map_takes_little_room)
   EXPECT_EQ(back.T_map_base, s.T_map_base);
 }
 
-TEST(Snapshot, says_which_layer_is_damaged_when_it_is_asked_for)
-{
-  auto bytes = talus_test::bytes_of(rich_snapshot());
-  bytes[bytes.size() - 200] ^= 0xFF;
-  const auto back = talus_test::read<Snapshot>(bytes);
-  EXPECT_EQ(back.layer(Layer::Elevation).size(), 64U * 64U);
-  const auto unpack = [&] { back.layer(Layer::Traversability); };
-  EXPECT_TRUE(has(message_of(unpack), "the layer traversability is damaged"));
-}
-
-TEST_F(RawlogEdit, counts_the_snapshots_beside_the_scans)
-{
-  expect_counts("log.rawlog", 6, 3);  // every second frame
-}
-
 TEST_F(RawlogEdit, describes_the_snapshots)
 {
   const auto text = edit("--describe -i log.rawlog");
@@ -216,13 +201,6 @@ TEST_F(RawlogEdit, keeps_or_removes_them_by_label)
   expect_counts("only.rawlog", 0, 3);
   edit("--remove-label terrain -i log.rawlog -o without.rawlog");
   expect_counts("without.rawlog", 6, 0);
-}
-
-TEST_F(RawlogEdit, cuts_a_log_between_them)
-{
-  if (!talus::detail::kRawlogEditFiltersWork) GTEST_SKIP() << kFiltersFault;
-  edit("--cut --from-index 2 --to-index 5 -i log.rawlog -o cut.rawlog");
-  expect_counts("cut.rawlog", 2, 2);
 }
 
 TEST_F(RawlogEdit, exports_them_as_a_table)
@@ -245,17 +223,6 @@ TEST_F(RawlogEdit, exports_them_as_a_table)
   EXPECT_EQ(table["blocked"], 0.0);
   EXPECT_NEAR(table["ground_max_m"], 0.0, 0.02);
   EXPECT_TRUE(std::isnan(table["ahead_m"]));
-}
-
-TEST_F(RawlogEdit, lists_and_remaps_their_time_stamps)
-{
-  edit("--remap-timestamps '1;100' -i log.rawlog -o later.rawlog");
-  edit("--export-txt -i later.rawlog");
-  const auto text = talus::test::read_bytes(path("later_terrain.txt"));
-  EXPECT_TRUE(has(text, "1700000100.1"));
-  edit("--list-timestamps -i log.rawlog --text-file-output stamps.txt");
-  const auto stamps = talus::test::read_bytes(path("stamps.txt"));
-  EXPECT_TRUE(has(stamps, "talus::CObservationTraversability"));
 }
 
 TEST_F(RawlogEdit, finds_snapshots_in_the_sensory_frames_of_a_log_with_actions)

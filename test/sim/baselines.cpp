@@ -27,40 +27,30 @@ SparseGround nothing_known(int n)
   return s;
 }
 
-TEST(HeightGridMethod, AveragesFloorAndTableTopToNeither)
+TEST(HeightGridMethod, AveragesFloorAndTableTopToNeitherAndGrowsWithTheRobotsWay)
 {
   const auto map = make_method("heightgrid", small_window());
   map->update(Scan({{0.55f, 0.05f, 0.0f}, {0.55f, 0.05f, 2.0f}}).view());
-  const Surfaces s = map->read();
+  Surfaces s = map->read();
   EXPECT_NEAR(at(s, s.ground_m, 0.55, 0.05), 1.0f, kFloat_m);
   EXPECT_TRUE(std::isnan(at(s, s.ground_m, 0.75, 0.05)));
-}
-
-TEST(HeightGridMethod, GrowsWithTheRobotsWay)
-{
-  const auto map = make_method("heightgrid", small_window());
-  map->update(Scan({{0.55f, 0.05f, 0.1f}}).view());
   Scan far({{0.55f, 0.05f, 0.3f}});
   Frame frame = far.view();
   frame.T_map_sensor.m[3] = 7.0;
   map->update(frame);
-  const Surfaces s = map->read();
+  s = map->read();
   EXPECT_NEAR(at(s, s.ground_m, 7.55, 0.05), 0.3f, kFloat_m);
 }
 
 TEST(ReadColumn, StandsOnGapsUpToTheClearanceAndHangsAboveLargerOnes)
 {
   std::vector<bool> occupied(30, false);
+  EXPECT_TRUE(std::isnan(read_column(occupied, 0.0, 0.1, 0.6).ground_m));
   occupied[2] = occupied[3] = occupied[7] = true;  // 0.2, 0.3, 0.7: a gap of 0.3 m
   occupied[20] = true;  // 2.0: hangs
   const Column c = read_column(occupied, 0.0, 0.1, 0.6);
   EXPECT_NEAR(c.ground_m, 0.2f, kFloat_m);
   EXPECT_NEAR(c.elevation_m, 0.7f, kFloat_m);
-}
-
-TEST(ReadColumn, KnowsNothingOfAColumnWithoutOccupiedVoxels)
-{
-  EXPECT_TRUE(std::isnan(read_column(std::vector<bool>(5, false), 0.0, 0.1, 0.6).ground_m));
 }
 
 TEST(OctoMapMethod, SeesThePointsWhereTheyAreAndTheRaysFromTheSensor)
@@ -135,24 +125,17 @@ TEST(SparseKernel, IsOneAtZeroAThirdAtHalfAndZeroAtItsLength)
   EXPECT_EQ(sparse_kernel(2, 2), 0.0);
 }
 
-TEST(FillBgk, WeightsTheMeasuredCellsByTheKernelOfTheirDistance)
+TEST(FillBgk, WeightsTheMeasuredCellsByTheKernelOfTheirDistanceUpToItsLength)
 {
   SparseGround s = nothing_known(10);
   s.ground_m[0] = 1.0f;  // 0.1 m from the cell asked for
+  EXPECT_FALSE(std::isnan(fill_bgk(s, 0.3)[2]));
+  EXPECT_TRUE(std::isnan(fill_bgk(s, 0.3)[3]));
   s.ground_m[4] = 2.0f;  // 0.3 m
   const double near = sparse_kernel(0.1, 1.0), far = sparse_kernel(0.3, 1.0);
   const auto filled = fill_bgk(s, 1.0);
   EXPECT_NEAR(filled[1], (near * 1 + far * 2) / (near + far), 1e-5);
   EXPECT_EQ(filled[0], 1.0f);
-}
-
-TEST(FillBgk, LeavesWhatIsFartherThanItsKernelUnknown)
-{
-  SparseGround s = nothing_known(10);
-  s.ground_m[0] = 1.0f;
-  const auto filled = fill_bgk(s, 0.3);
-  EXPECT_FALSE(std::isnan(filled[2]));
-  EXPECT_TRUE(std::isnan(filled[3]));
 }
 
 TEST(FillMinFilter, SpreadsTheLowestNeighbourOneCellAPass)

@@ -184,7 +184,7 @@ TEST(Calibrate, FindsMountingClockAndNoiseOnRollingGround)
 
 TEST(Calibrate, NamesWhatAStraightDriveOnAFloorDoesNotTell)
 {
-  const WrongLog log = wrong_log("  - plane: {z_m: 0}\n", "[[0, 0], [9, 0]]", 1, 2, 0.05, 0, 90);
+  const WrongLog log = wrong_log("  - plane: {z_m: 0}\n", "[[0, 0], [5, 0]]", 1, 2, 0.05, 0, 50);
   const Result r = talus::calibrate::calibrate(log.scans, log.track, options_of(log));
   for (const int i : {kX, kY, kYaw, kTimeOffset})
   {
@@ -200,7 +200,7 @@ TEST(Calibrate, HalvesThatDisagreeWidenTheDeviations)
   const auto sigma_of = [](double late_nod_deg)
   {
     const WrongLog log =
-        wrong_log(kSwells, "[[0, 0], [4, 1.5], [8, -1]]", 0, 0, 0, 0, 50, late_nod_deg);
+        wrong_log(kSwells, "[[0, 0], [4, 1.5], [8, -1]]", 0, 0, 0, 0, 40, late_nod_deg);
     return calibrate::calibrate(log.scans, log.track, options_of(log)).sigma[kPitch];
   };
   EXPECT_GT(sigma_of(0.3), 3 * sigma_of(0)) << "one half is pitched by 0.3 degrees";
@@ -208,7 +208,7 @@ TEST(Calibrate, HalvesThatDisagreeWidenTheDeviations)
 
 TEST(Calibrate, WithoutContactTheHeightOverAFloorIsNotObservable)
 {
-  const WrongLog log = wrong_log("  - plane: {z_m: 0}\n", "[[0, 0], [9, 0]]", 0, 1, 0.05, 0, 90);
+  const WrongLog log = wrong_log("  - plane: {z_m: 0}\n", "[[0, 0], [5, 0]]", 0, 1, 0.05, 0, 50);
   Options o = options_of(log);
   o.use_contact = false;
   const Result r = talus::calibrate::calibrate(log.scans, log.track, o);

@@ -409,28 +409,6 @@ TEST(DropReach, is_what_one_ray_sees_of_a_hole)
   EXPECT_EQ(fastest_before_hole_mps(one, up, 5, stopping), 0);
 }
 
-TEST(DropReach, says_what_a_simulated_sweep_shows)
-{
-  const Scanner& scanner = *find_scanner("RS-LiDAR-16");
-  const double at_m = nearest_ground_m(scanner, pose_from_rpy({0, 0, 0.68}, 0));
-  const auto depth_m = [&](double width_m)
-  {
-    const World w = world_of(
-        "  - ditch: {at_m: [" + std::to_string(at_m - 0.01 + width_m / 2) +
-            ", 0], yaw_deg: 90, depth_m: 3, width_m: " + std::to_string(width_m) + "}\n",
-        "sensor: {noise_m: 0}\n");
-    const Scan scan = Drive(w).scan(0);
-    double lowest = 0;
-    for (std::size_t i = 0; i < scan.size(); ++i)
-      if (scan.x_m[i] > 0 && std::abs(scan.y_m[i]) < 0.05)
-        lowest = std::min(lowest, 0.68 + scan.z_m[i]);
-    return -lowest;
-  };
-  const double narrowest_m = narrowest_hole_m(scanner, pose_from_rpy({0, 0, 0.68}, 0), 0.01, {});
-  EXPECT_GT(depth_m(narrowest_m + 0.02), kFound_m);
-  EXPECT_LT(depth_m(narrowest_m - 0.02), kFound_m);
-}
-
 TEST(WorldFile, of_every_world_of_the_project_has_a_free_way_of_60_to_250_frames)
 {
   // A sill across the way, which is steep; a rim close beside it.

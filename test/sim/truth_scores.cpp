@@ -151,26 +151,17 @@ TEST(Score, JudgesFloorUnderATableThatNoRayMetApart)
     EXPECT_TRUE(hit.count() == 0 || hit.rmse_m() == 0);
 }
 
-TEST(Score, DoesNotJudgeWhatHangsWithinFiveCentimetresAboveTheClearance)
+TEST(Score, DoesNotJudgeWhatHangsJustAboveTheClearanceOrSoHighThatNoPointOfItCounts)
 {
-  const auto judged = [](const std::string& height_m)
+  const auto score_below = [](const std::string& height_m)
   {
     const Stage stage("objects: [table: {at_m: [2, 0], size_m: [1, 1, " + height_m + "]}]\n");
-    return stage.score(stage.perfect()).hanging_passable.of;
+    return stage.score(stage.perfect());
   };
-  EXPECT_EQ(judged("0.67"), 0);  // an underside at 0.64 m, the clearance is 0.6
-  EXPECT_GT(judged("0.69"), 0);
-}
-
-TEST(Score, DoesNotJudgeWhatHangsSoHighThatNoPointOfItCounts)
-{
-  const auto judged = [](const std::string& height_m)
-  {
-    const Stage stage("objects: [table: {at_m: [2, 0], size_m: [1, 1, " + height_m + "]}]\n");
-    return stage.score(stage.perfect()).hanging_wrong.of;
-  };
-  EXPECT_GT(judged("2.0"), 0);
-  EXPECT_EQ(judged("2.4"), 0);  // points count up to 1.5 m above the sensor
+  EXPECT_EQ(score_below("0.67").hanging_passable.of, 0);  // its underside: 0.64; the clearance: 0.6
+  EXPECT_GT(score_below("0.69").hanging_passable.of, 0);
+  EXPECT_GT(score_below("2.0").hanging_wrong.of, 0);
+  EXPECT_EQ(score_below("2.4").hanging_wrong.of, 0);  // points count up to 1.5 m above the sensor
 }
 
 TEST(Score, LeavesOutWhatStandsWithinFiveCentimetresOfAStep)

@@ -124,9 +124,11 @@ TEST_F(Islands, are_none_of_long_drives_of_what_one_file_takes_and_of_unknown_ti
   drive(far, 1000, 2);
   drive(far, 1000, 2, 4);
   EXPECT_TRUE(islands_of(far, 0).empty());
-  site_.tiles.at({0, 90000, 90000});
-  EXPECT_EQ(islands_of(site_, 0).size(), 1U);
-  write_site_files(dir_ / "site.tif", "", site_);
+  Site small(kResolution_m, std::size_t{64} << 20, dir_ / "small");
+  drive(small, 0, 1);
+  small.tiles.at({0, 90000, 90000});
+  EXPECT_EQ(islands_of(small, 0).size(), 1U);
+  write_site_files(dir_ / "site.tif", "", small);
   EXPECT_EQ(info_of_site(dir_ / "site.tif").islands, 0U);
 }
 

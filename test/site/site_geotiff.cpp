@@ -261,29 +261,6 @@ TEST_F(SiteGeoTiff, is_cloud_optimized_with_overviews_and_sparse_blocks)
       << "no companions";
 }
 
-TEST_F(SiteGeoTiff, shows_what_is_known_in_every_overview)
-{
-  add_cells(*site);
-  write_site(dir / "site.tif", *site, 0);
-  const Open tif(dir / "site.tif");
-  auto* ground = tif.data->GetRasterBand(2);
-  ASSERT_GT(ground->GetOverviewCount(), 0);
-  for (int i = 0; i < ground->GetOverviewCount(); ++i)
-  {
-    auto* o = ground->GetOverview(i);
-    const std::vector<float> values = values_of(o);
-    auto row = values.begin();
-    for (int y = 0; y < o->GetYSize(); ++y, row += o->GetXSize())
-    {
-      const double y_m = 19.2 - (y + 0.5) * 0.05 * (2 << i);  // of the map
-      const bool driven = std::abs(y_m) < 17.3;
-      const bool known =
-          std::any_of(row, row + o->GetXSize(), [](float v) { return !std::isnan(v); });
-      EXPECT_TRUE(known || !driven) << "overview " << i << ", y = " << y_m;
-    }
-  }
-}
-
 TEST_F(SiteGeoTiff, lies_in_the_map_frame_where_it_has_no_origin)
 {
   cell_at(*site, -1, 130) = measured(4, kNow_s);
@@ -399,17 +376,6 @@ TEST_F(SiteGeoTiff, writes_the_ways_of_a_floor_as_lines_and_points_with_times)
   read_site(dir / "site.tif", *in, 0);
   EXPECT_EQ(in->ways[0][0].stamp_s, 1'760'000'000.5) << "a map that goes on keeps the times";
   EXPECT_EQ(way_file_of("out/site_floor_1.tif"), "out/site_floor_1_way.gpkg");
-}
-
-TEST_F(SiteGeoTiff, keeps_floors_apart)
-{
-  cell_at(*site, 0, 0, 0) = measured(0);
-  cell_at(*site, 0, 0, 1) = measured(3);
-  write_site(dir / "site_floor_1.tif", *site, 1);
-  read_site(dir / "site_floor_1.tif", *in, 2);
-  ASSERT_EQ(in->tiles.keys().size(), 1u);
-  EXPECT_EQ(in->tiles.keys()[0], (TileKey{2, 0, 0}));
-  EXPECT_EQ(cell_at(*in, 0, 0, 2).cell.ground_m, 3);
 }
 
 TEST_F(SiteGeoTiff, names_its_floors_and_is_not_read_where_one_is_missing)

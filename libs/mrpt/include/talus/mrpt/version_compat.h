@@ -102,9 +102,8 @@ class OptionsCapable
 
 namespace talus::detail
 {
-/** Faults of MRPT's own programs and files, which specifications leave out (doc/mrpt.md). */
+/** A fault of MRPT's own programs, which specifications leave out (doc/mrpt.md). */
 constexpr bool kRawlogEditFiltersWork = MRPT_VERSION < 0x020c01 || MRPT_VERSION >= 0x030102;
-constexpr bool kReadsRotatingScansOfBefore_2_11_4 = MRPT_VERSION < 0x020b04;
 
 /** CHolonomicFullEval weighs so many factors, and refuses any other number. */
 #if MRPT_VERSION >= 0x020e03
