@@ -195,7 +195,8 @@ void Live::drop_record(const std::string& why)
   print_error(why + "; nothing is recorded any more");
   remaker_.reset();
   has_record_ = false;
-  for (const auto& file : std::filesystem::directory_iterator(output_.staging()))
+  std::error_code none;  // somebody may have removed the folder
+  for (const auto& file : std::filesystem::directory_iterator(output_.staging(), none))
     if (file.path().filename().string().rfind("record.", 0) == 0)
       std::filesystem::remove(file.path());
 }
@@ -315,7 +316,8 @@ bool Live::finish()
   tell_count(counts.without_times, "are mapped without the times of their points");
   if (counts.scans == 0)
   {
-    const auto why = topics_.why_nothing();
+    const bool has_heard = counts.late + counts.dropped + counts.stale + counts.refused > 0;
+    const auto why = has_heard ? "" : topics_.why_nothing();  // a robot may have left since
     throw std::runtime_error(
         "nothing was mapped, nothing is written: " + (why.empty() ? stream_.why_nothing() : why));
   }
@@ -329,6 +331,7 @@ bool Live::finish()
   {
     drop_record(e.what());
   }
+  std::filesystem::create_directories(output_.staging());  // somebody may have removed it
   map_->finish(output_.staging());
   output_.commit(kSeal);
   tell(
