@@ -101,7 +101,7 @@ class Live
   std::optional<int> saving_;  //!< the child that does
   double published_s_ = 0, saved_s_ = now_s();
   std::size_t published_frames_ = 0;
-  std::size_t told_scans_ = 0, told_late_ = 0, told_missing_ = 0, told_lost_ = 0;
+  std::size_t told_scans_ = 0, told_late_ = 0, told_dropped_ = 0, told_missing_ = 0, told_lost_ = 0;
 };
 
 /** Who publishes what changes seldom. */
@@ -275,6 +275,12 @@ void Live::tell_state()
     print_error(
         std::to_string(counts.late - told_late_) + " clouds are left out: " + stream_.why_late());
   told_late_ = counts.late;
+  if (counts.dropped > told_dropped_)
+    print_error(
+        std::to_string(counts.dropped - told_dropped_) +
+        " clouds are left out: they come faster than they are mapped; a larger resolution_m or a "
+        "smaller window_m takes less time (-s NAME=VALUE), and so do more --threads");
+  told_dropped_ = counts.dropped;
   tell_of_losses();
 }
 
