@@ -101,7 +101,7 @@ class Live
   std::optional<int> saving_;  //!< the child that does
   double published_s_ = 0, saved_s_ = now_s();
   std::size_t published_frames_ = 0;
-  std::size_t told_scans_ = 0, told_late_ = 0, told_missing_ = 0, told_lost_ = 0;
+  std::size_t told_scans_ = 0, told_late_ = 0, told_dropped_ = 0, told_missing_ = 0, told_lost_ = 0;
 };
 
 /** Who publishes what changes seldom. */
@@ -195,7 +195,8 @@ void Live::drop_record(const std::string& why)
   print_error(why + "; nothing is recorded any more");
   remaker_.reset();
   has_record_ = false;
-  for (const auto& file : std::filesystem::directory_iterator(output_.staging()))
+  std::error_code none;  // somebody may have removed the folder
+  for (const auto& file : std::filesystem::directory_iterator(output_.staging(), none))
     if (file.path().filename().string().rfind("record.", 0) == 0)
       std::filesystem::remove(file.path());
 }
@@ -274,6 +275,12 @@ void Live::tell_state()
     print_error(
         std::to_string(counts.late - told_late_) + " clouds are left out: " + stream_.why_late());
   told_late_ = counts.late;
+  if (counts.dropped > told_dropped_)
+    print_error(
+        std::to_string(counts.dropped - told_dropped_) +
+        " clouds are left out: they come faster than they are mapped; a larger resolution_m or a "
+        "smaller window_m takes less time (-s NAME=VALUE), and so do more --threads");
+  told_dropped_ = counts.dropped;
   tell_of_losses();
 }
 
@@ -315,7 +322,8 @@ bool Live::finish()
   tell_count(counts.without_times, "are mapped without the times of their points");
   if (counts.scans == 0)
   {
-    const auto why = topics_.why_nothing();
+    const bool has_heard = counts.late + counts.dropped + counts.stale + counts.refused > 0;
+    const auto why = has_heard ? "" : topics_.why_nothing();  // a robot may have left since
     throw std::runtime_error(
         "nothing was mapped, nothing is written: " + (why.empty() ? stream_.why_nothing() : why));
   }
@@ -329,6 +337,7 @@ bool Live::finish()
   {
     drop_record(e.what());
   }
+  std::filesystem::create_directories(output_.staging());  // somebody may have removed it
   map_->finish(output_.staging());
   output_.commit(kSeal);
   tell(

@@ -88,6 +88,13 @@ bool Remaker::is_news(const Poses& given) const
       });
 }
 
+void Remaker::require_same_time(const Poses& given, const std::string& source) const
+{
+  if (history_.empty() || given.back().time_s < history_.front().time_s ||
+      given.front().time_s > history_.back().time_s)
+    throw std::runtime_error(source + ": its poses are of another time than the scans");
+}
+
 void Remaker::take_path(const import::StreamPath& path, const std::string& map_frame, double now_s)
 {
   const std::string& topic = options_.corrected_path;
@@ -96,8 +103,9 @@ void Remaker::take_path(const import::StreamPath& path, const std::string& map_f
         topic + ": its poses are in '" + path.frame.substr(0, 60) + "', and the map is in '" +
         map_frame + "'; --map-frame names the frame of both");
   if (path.poses.empty())
-    throw std::runtime_error(topic + ": none of its poses has a time, so they tell nothing");
+    throw std::runtime_error(topic + ": none of its poses has a time and finite numbers");
   auto given = io::Trajectory(path.poses).entries();
+  if (!history_.empty()) require_same_time(given, topic);
   if (!is_news(given)) return;
   known_.given = std::move(given);
   ask_for(std::to_string(known_.given.size()) + " corrected poses of " + topic, now_s);
@@ -113,9 +121,7 @@ void Remaker::look_at_file(double now_s)
   {
     auto given = file_->take(now_s);
     if (!given) return;
-    if (history_.empty() || given->back().time_s < history_.front().time_s ||
-        given->front().time_s > history_.back().time_s)
-      throw std::runtime_error(path + ": its poses are of another time than the scans");
+    require_same_time(*given, path);
     known_.given = std::move(*given);
     ask_for(std::to_string(known_.given.size()) + " corrected poses of " + path, now_s);
   }

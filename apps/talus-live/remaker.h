@@ -53,6 +53,7 @@ class Remaker
 
  private:
   void ask_for(const std::string& source, double from_s);
+  void require_same_time(const Poses& given, const std::string& source) const;
   bool is_news(const Poses& given) const;
   void look_at_file(double now_s);
   void begin(double now_s);

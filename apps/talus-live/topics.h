@@ -40,8 +40,11 @@ class Topics
   {
     std::string topic, type;
     std::unique_ptr<live::Subscription> messages;
+    bool is_reliable = false;  //!< then who is not is not heard
     bool is_cloud = false, is_path = false;
   };
+  void choose_robot();
+  bool is_of_other_robot(const live::Offer& offer) const;
   bool is_wanted(const live::Offer& offer) const;
   void take_into(import::ScanStream& stream, Heard& heard, double now_s);
 
@@ -51,6 +54,10 @@ class Topics
   std::map<std::string, Heard> heard_;  //!< by topic
   std::vector<live::Offer> offers_;  //!< of the last look
   std::set<std::string> told_;
+  std::set<std::string> robots_;  //!< that have TF of their own, by their namespaces
+  std::optional<std::string> robot_;  //!< that is mapped, once that is known
+  int looks_ = 0;
+  bool is_settled_ = false;  //!< it looked often enough to know what there is
   std::size_t max_bytes_ = 0;
 };
 

@@ -339,6 +339,7 @@ TEST(PosesChange, a_file_that_is_written_anew_counts_and_a_damaged_record_change
     EXPECT_EQ(drive.map.get(), map);
     write_bytes(log, bytes);
   }
+  EXPECT_THROW(drive.publish(true_poses(-100, -90)), std::runtime_error);
   write(true_poses(-100, -90));
   EXPECT_SAYS(drive.errors, "its poses are of another time than the scans");
   drive.expect_map_of(true_poses(0, kScans));

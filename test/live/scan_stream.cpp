@@ -69,7 +69,7 @@ TEST(ScanStream, leaves_out_a_cloud_whose_pose_is_late_and_says_so)
   EXPECT_FALSE(robot.next(1.1));
   EXPECT_FALSE(robot.next(1.21));
   EXPECT_EQ(robot.stream.counts().late, 1U);
-  EXPECT_NE(robot.stream.why_late().find("--max-wait"), std::string::npos);
+  EXPECT_NE(robot.stream.why_late().find("0.10 s older; --max-wait"), std::string::npos);
 }
 
 TEST(ScanStream, guesses_no_mounting)
@@ -78,7 +78,7 @@ TEST(ScanStream, guesses_no_mounting)
   for (const double t : {0.9, 1.1}) robot.say_tf(t, "map", "base_link", t);
   robot.say_cloud(1.0, 1.0);
   EXPECT_FALSE(robot.next(2.0));
-  EXPECT_NE(robot.stream.why_nothing().find("--mount"), std::string::npos);
+  EXPECT_NE(robot.stream.why_nothing().find("--mount /points=X"), std::string::npos);
 
   talus::import::SourceOptions options;
   options.mountings["/points"] = mrpt::poses::CPose3D(0, 0, 0.7, 0, 0, 0);
@@ -114,13 +114,15 @@ TEST(ScanStream, takes_odometry_where_tf_has_no_poses)
     robot.stream.add(
         "/odom", "nav_msgs/msg/Odometry",
         talus::live::odometry_message(
-            {{kStart_s + t, "odom"}, "base_link", mrpt::poses::CPose3D(t, 0, 0, 0, 0, 0)}),
+            {{kStart_s + t, "odom"}, "imu_link", mrpt::poses::CPose3D(t, 0, 0, 0, 0, 0)}),
         kStart_s + t);
   }
   robot.say_cloud(2.55, 3.0);
   ASSERT_TRUE(robot.next(3.0));
   EXPECT_NEAR(robot.stream.poses().at(kStart_s + 2.55, 0.5)->x(), 2.55, 1e-6);
-  EXPECT_NE(robot.news().find("poses are those of topic /odom"), std::string::npos);
+  const std::string news = robot.news();
+  EXPECT_NE(news.find("poses are those of topic /odom"), std::string::npos);
+  EXPECT_NE(news.find("of 'imu_link' are taken for those of 'base_link'"), std::string::npos);
 }
 
 TEST(ScanStream, reads_clouds_and_frames_as_those_of_a_bag)
@@ -190,6 +192,9 @@ TEST(ScanStream, takes_no_scan_twice_and_none_of_another_time)
   EXPECT_EQ(robot.stream.counts().stale, 1U);
   robot.stream.add("/tf", kTfType, tf(-20, "map", "base_link", 0), kStart_s + 1.2);
   EXPECT_NE(robot.news().find("gone back"), std::string::npos);
+  EXPECT_NE(robot.stream.why_nothing().find("gone back"), std::string::npos);
+  robot.say_tf(1.3, "map", "base_link", 1.3);
+  EXPECT_EQ(robot.stream.why_nothing(), "");
 }
 
 TEST(ScanStream, tells_by_the_stamps_what_got_lost)
@@ -256,12 +261,17 @@ TEST(ScanStream, takes_names_with_a_leading_slash_and_the_time_of_a_simulation)
 TEST(ScanStream, leaves_out_a_cloud_without_points)
 {
   Heard robot;
+  robot.say_cloud(-1, -1);
+  EXPECT_FALSE(robot.next(0));
+  EXPECT_EQ(robot.stream.why_late(), "no poses have come yet");
   robot.say_mounting();
   robot.stream.add(
       "/points", kCloudType, talus::live::cloud_message({kStart_s, "lidar"}, {}), kStart_s);
   robot.say_tf(0, "map", "base_link", 0);
   robot.say_tf(0.1, "map", "base_link", 0);
   EXPECT_FALSE(robot.next(0.1));
+  EXPECT_NE(robot.stream.why_nothing().find("has no points"), std::string::npos);
   robot.say_cloud(0.1, 0.1);
   EXPECT_TRUE(robot.next(0.1));
+  EXPECT_EQ(robot.stream.why_nothing(), "");
 }

@@ -252,6 +252,51 @@ TEST(TalusLive, hears_the_dds_of_another_vendor)
 #endif
 }
 
+TEST(TalusLive, maps_one_of_several_robots_whatever_becomes_of_its_topics_and_of_the_folder)
+{
+  namespace live = talus::live;
+  const int domain = own_domain();
+  const ScratchDir dir;
+  const pid_t child =
+      start(dir / "", command("talus-live --backend cpu --output live >live.txt 2>&1"));
+  live::Participant network(domain, "robots");
+  std::map<std::string, std::unique_ptr<live::Publication>> topics;
+  const auto publish = [&](const std::string& topic, const char* type, bool is_reliable)
+  {
+    topics[topic].reset();
+    topics[topic] = std::make_unique<live::Publication>(
+        network, topic, type, live::Quality{is_reliable, false, 10});
+  };
+  for (const std::string robot : {"/robot1", "/robot2"})
+  {
+    publish(robot + "/tf", kTfType, true);
+    publish(robot + "/points", kCloudType, true);
+  }
+  const auto drive_until = [&](const std::string& words, int more)
+  {
+    for (static int i = 0; more > 0 && i < 1000; ++i)
+    {
+      const double t = 0.02 * i;
+      more -= read_bytes(dir / "live.txt").find(words) == std::string::npos ? 0 : 1;
+      for (const std::string robot : {"/robot1", "/robot2"})
+      {
+        topics[robot + "/tf"]->write(tf(t, "map", "base_link", robot == "/robot1" ? t : 50));
+        topics[robot + "/points"]->write(floor_cloud(t, "base_link"));
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  };
+  drive_until("hears /robot1/points (sensor_msgs/msg/PointCloud2, reliable)", 20);
+  publish("/robot1/points", kCloudType, false);
+  drive_until("hears /robot1/points (sensor_msgs/msg/PointCloud2, best effort)", 20);
+  std::filesystem::remove_all(dir / "live");  // by mistake
+  EXPECT_EQ(end(child, SIGTERM, dir / "live.txt"), 0);
+  const std::string said = read_bytes(dir / "live.txt");
+  EXPECT_TRUE(std::filesystem::exists(dir / "live/site.tif")) << said;
+  for (const char* words : {"/robot2/tf is left out", "/robot2/points is left out", "best effort"})
+    EXPECT_NE(said.find(words), std::string::npos) << said;
+}
+
 TEST(TalusLive, writes_nothing_where_nobody_publishes)
 {
   own_domain();

@@ -40,11 +40,12 @@ std::string list_of(const std::vector<BagTopic>& topics)
   for (std::size_t i = 0; i < std::min(topics.size(), kMaxLines); ++i)
   {
     const auto& topic = topics[i];
-    list += "\n  " + topic.name.substr(0, kMaxText) + "  " + topic.type.substr(0, kMaxText);
+    list += (i == 0 ? " " : ", ") + topic.name.substr(0, kMaxText) + " " +
+            topic.type.substr(0, kMaxText);
     if (topic.encoding != "cdr") list += " (serialized as '" + topic.encoding.substr(0, 24) + "')";
   }
   if (topics.size() > kMaxLines)
-    list += "\n  and " + std::to_string(topics.size() - kMaxLines) + " more";
+    list += ", and " + std::to_string(topics.size() - kMaxLines) + " more";
   return topics.empty() ? " It holds no topics at all." : " It holds:" + list;
 }
 

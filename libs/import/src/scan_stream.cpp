@@ -120,8 +120,9 @@ struct ScanStream::Impl
   std::optional<CPose3D> T_base_sensor(const Waiting& cloud) const;
   bool has_poses_until(const Waiting& cloud, double last_s) const;
   const io::Trajectory& recent_poses() const;
+  std::string why_late_is(const Waiting& cloud, bool has_mounting) const;
   void leave_out(const std::string& topic, Sensor& sensor, const std::string& why);
-  void refuse(const std::string& topic, const std::string& why);
+  void refuse(const BagTopic& topic, const std::string& why);
   void say(const std::string& text)
   {
     if (said.insert(text).second) news.push_back(text);
@@ -145,7 +146,8 @@ struct ScanStream::Impl
   std::deque<Waiting> waiting;
   ScanFile file;
   StreamCounts counts;
-  std::string why_late;  //!< of the last one
+  std::string why_late, why_refused;  //!< of the last one
+  std::string why_back;  //!< where stamps have gone back
   bool has_ended = false;
   bool is_last_late = false;  //!< of all clouds
   std::vector<std::string> news;
@@ -186,18 +188,19 @@ void ScanStream::add(
   }
   catch (const CdrError& e)
   {
-    impl_->refuse(topic, "a message of " + topic + " " + e.what() + ".");
+    impl_->refuse(named, "a message of " + topic + " " + e.what() + ".");
   }
   catch (const std::runtime_error& e)
   {
-    impl_->refuse(topic, e.what());
+    impl_->refuse(named, e.what());
   }
 }
 
-void ScanStream::Impl::refuse(const std::string& topic, const std::string& why)
+void ScanStream::Impl::refuse(const BagTopic& topic, const std::string& why)
 {
   ++counts.refused;
-  if (refused.insert(topic).second) say(why + " It is left out, as are others like it");
+  if (role_of(topic) == BagRole::Cloud) why_refused = why;
+  if (refused.insert(topic.name).second) say(why + " It is left out, as are others like it");
 }
 
 void ScanStream::Impl::take(
@@ -230,11 +233,11 @@ bool ScanStream::Impl::is_of_this_time(std::int64_t stamp_ns, double now_s)
   const double ahead_s = newest_ns == 0 ? 0 : seconds(stamp_ns - newest_ns);
   if (ahead_s < -kOther_s)
   {
-    if (refused.insert("stamps").second)
-      say("stamps have gone back by " + fixed_text(-ahead_s, 1) +
-          " s: what is older than the map is left out. After a restart of the robot's clock or of "
-          "a "
-          "bag, start talus-live anew");
+    why_back =
+        "stamps have gone back by " + fixed_text(-ahead_s, 1) +
+        " s: what is older than the map is left out. After a restart of the robot's clock or "
+        "of a bag, start talus-live anew";
+    if (refused.insert("stamps").second) say(why_back);
     return false;
   }
   const bool is_other = ahead_s > kOther_s + (now_s - newest_at_s);
@@ -243,6 +246,7 @@ bool ScanStream::Impl::is_of_this_time(std::int64_t stamp_ns, double now_s)
   if (stamp_ns <= newest_ns) return true;
   newest_ns = stamp_ns;
   newest_at_s = now_s;
+  why_back.clear();
   return true;
 }
 
@@ -262,7 +266,11 @@ void ScanStream::Impl::take_odometry(const std::string& topic, FrameTransform po
   pose_offsets.add(nanoseconds(now_s), pose.parent.stamp_ns);
   const CPose3D T_map_child{mrpt::poses::CPose3DQuat(*pose.T_parent_child)};
   const bool is_base = pose.child.empty() || pose.child == base;
-  const auto T_child_base = is_base || !tree.connects(pose.child, base)
+  const bool is_connected = is_base || tree.connects(pose.child, base);
+  if (!is_connected)
+    say("poses of '" + pose.child + "' are taken for those of '" + base +
+        "': TF does not connect them");
+  const auto T_child_base = is_base || !is_connected
                                 ? std::optional<CPose3D>(CPose3D())
                                 : tree.T_between(pose.child, base, pose.parent.stamp_ns);
   if (T_child_base) add_pose(pose.parent.stamp_ns, T_map_child + *T_child_base);
@@ -433,6 +441,21 @@ bool ScanStream::Impl::has_poses_until(const Waiting& cloud, double last_s) cons
   return recent_poses().at(stamp_s, kMaxGap_s).has_value();
 }
 
+std::string ScanStream::Impl::why_late_is(const Waiting& cloud, bool has_mounting) const
+{
+  if (recent.empty()) return "no poses have come yet";
+  const std::string topic = cloud.scan.sensor_label;
+  if (!has_mounting)
+    return "TF does not say where '" + cloud.frame.substr(0, 60) + "' of " + topic +
+           " is mounted on '" + base + "'; --mount " + topic + "=X,Y,Z,YAW,PITCH,ROLL does";
+  const double newer_s = recent.back().time_s - cloud.scan.time_s;
+  return "no pose of '" + base + "' in '" + map + "' at its time: the newest one is " +
+         fixed_text(std::abs(newer_s), 2) +
+         (newer_s < 0                                 ? " s older; --max-wait waits longer"
+          : cloud.scan.time_s < recent.front().time_s ? " s newer, and the first one, too"
+                                                      : " s newer, and there is a gap");
+}
+
 bool ScanStream::next(ImportedScan& scan, double now_s)
 {
   auto& me = *impl_;
@@ -446,15 +469,13 @@ bool ScanStream::next(ImportedScan& scan, double now_s)
     {
       ++me.counts.late;
       me.is_last_late = true;
-      me.why_late = T_base_sensor
-                        ? "no pose of '" + me.base + "' in '" + me.map + "' at its time"
-                        : "TF does not say where '" + cloud.frame.substr(0, 60) + "' of " +
-                              cloud.scan.sensor_label + " is mounted on '" + me.base + "'";
+      me.why_late = me.why_late_is(cloud, T_base_sensor.has_value());
       continue;
     }
     if (!is_whole) ++me.counts.without_times;
     ++me.counts.scans;
     me.is_last_late = false;
+    me.why_refused.clear();
     scan = std::move(cloud.scan);
     if (!is_whole) scan.point_time_s.clear();
     scan.T_base_sensor = *T_base_sensor;
@@ -474,23 +495,20 @@ std::vector<std::string> ScanStream::take_news() { return std::exchange(impl_->n
 std::string ScanStream::why_nothing() const
 {
   const auto& me = *impl_;
+  if (!me.why_refused.empty()) return me.why_refused;
   if (me.sensors.empty()) return "no cloud has come";
   if (me.recent.empty())
     return "no poses: neither a chain of TF that moves from map or odom to " +
            (me.base.empty() ? "base_link or base_footprint" : "'" + me.base + "'") +
            ", nor Odometry (frames of TF: " + listed(me.tree.frames()) +
            "). --map-frame and --base-frame name frames";
+  if (!me.why_back.empty()) return me.why_back;
   for (const auto& [topic, sensor] : me.sensors)
     if (const auto clock = sensor.offsets.with(me.pose_offsets).warning; !clock.empty())
       return topic + ": " + clock + ". Give both machines one clock (chrony, PTP)";
-  return me.is_last_late ? why_late() : "";
+  return me.is_last_late ? me.why_late : "";
 }
 
-std::string ScanStream::why_late() const
-{
-  if (impl_->why_late.empty()) return "";
-  return impl_->why_late +
-         ". --max-wait waits longer; --mount TOPIC=X,Y,Z,YAW,PITCH,ROLL gives a mounting";
-}
+std::string ScanStream::why_late() const { return impl_->why_late; }
 
 }  // namespace talus::import

@@ -71,8 +71,11 @@ GdalErrors::~GdalErrors() { CPLPopErrorHandler(); }
 
 void GdalErrors::handler(CPLErr level, CPLErrorNum, const char* message)
 {
+  constexpr std::size_t kMax = 120;  // a failed statement of SQL is told whole, before the reason
   auto* self = static_cast<GdalErrors*>(CPLGetErrorHandlerUserData());
-  if (level >= CE_Failure && self->first_.empty()) self->first_ = message;
+  if (level < CE_Failure || !self->first_.empty()) return;
+  self->first_ = message;
+  if (self->first_.size() > kMax) self->first_.replace(0, self->first_.size() - kMax, "...");
 }
 
 void fail(const std::string& path, const char* what, const GdalErrors& errors)
