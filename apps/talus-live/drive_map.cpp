@@ -95,8 +95,12 @@ std::string DriveMap::add(const mrpt::obs::CObservation& scan, const io::Traject
 
 void DriveMap::map_scan(const Frame& scan)
 {
-  const FrameReport report = mapper_.update(map_, scan);
-  ++frames_;
+  const auto is_mapped = [this]
+  {
+    ++frames_;
+    if (show_) show_();
+  };
+  const FrameReport report = mapper_.update(map_, scan, is_mapped);
   points_ += report.points_in;
   accepted_ += report.points_accepted;
 }
