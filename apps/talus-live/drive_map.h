@@ -79,7 +79,7 @@ class DriveMap
   SensorNumbers sensors_;
   SensorPoints scan_;
   mrpt::poses::CPose3D T_map_base_;
-  std::function<void()> show_;
+  std::function<void()> show_ = [] {};
   std::size_t frames_ = 0;
   std::uint64_t points_ = 0, accepted_ = 0;
 };
