@@ -95,8 +95,7 @@ std::string DriveMap::add(const mrpt::obs::CObservation& scan, const io::Traject
 
 void DriveMap::map_scan(const Frame& scan)
 {
-  const FrameReport report = mapper_.update(map_, scan);
-  ++frames_;
+  const FrameReport report = mapper_.update(map_, scan, [this] { ++frames_, show_(); });
   points_ += report.points_in;
   accepted_ += report.points_accepted;
 }

@@ -12,8 +12,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace talus::app
@@ -43,8 +45,12 @@ class DriveMap
   /** Why it is empty; "": some points were accepted, or none came. */
   std::string why_empty() const;
   const ElevationMapper& window() const { return map_; }
-  /** Layers that each frame makes. */
-  void set_layers(const std::vector<Layer>& layers) { map_.set_output_layers(layers); }
+  /** From now on each frame makes these layers, and is shown as soon as it is in the window. */
+  void set_output(const std::vector<Layer>& layers, std::function<void()> show)
+  {
+    map_.set_output_layers(layers);
+    show_ = std::move(show);
+  }
   /** From now on on threads as the settings say. */
   void run_on(const Settings& settings);
   const mrpt::poses::CPose3D& base() const { return T_map_base_; }  //!< in the last frame
@@ -73,6 +79,7 @@ class DriveMap
   SensorNumbers sensors_;
   SensorPoints scan_;
   mrpt::poses::CPose3D T_map_base_;
+  std::function<void()> show_ = [] {};
   std::size_t frames_ = 0;
   std::uint64_t points_ = 0, accepted_ = 0;
 };

@@ -52,7 +52,8 @@ class Live
         stream_(options.source, options.max_wait_s)
   {
     if (options.record) remaker_.emplace(options, settings, output_.staging());
-    if (options.hz > 0) map_->set_layers(publisher_.emplace(network_, options.layers).layers());
+    if (options.hz > 0) publisher_.emplace(network_, options.layers);
+    show(*map_);
     if (page_)
     {
       page_->begin("talus-live: " + options.output, map_->site().resolution_m);
@@ -74,6 +75,8 @@ class Live
   }
   void look();
   bool next_scan();
+  void show(DriveMap& map);
+  void publish_window();
   void publish();
   void save(double now);
   void map_scans();
@@ -101,6 +104,7 @@ class Live
   std::optional<int> saving_;  //!< the child that does
   double published_s_ = 0, saved_s_ = now_s();
   std::size_t published_frames_ = 0;
+  bool is_rest_due_ = false;  //!< beside the window that was published
   std::size_t told_scans_ = 0, told_late_ = 0, told_dropped_ = 0, told_missing_ = 0, told_lost_ = 0;
 };
 
@@ -166,7 +170,7 @@ void Live::correct(double now)
   for (const auto& text : remaker_->take_news()) tell(text);
   for (const auto& text : remaker_->take_errors()) print_error(text);
   if (!map) return;
-  map->set_layers(map_->window().output_layers());
+  show(*map);
   map_ = std::move(map);
   ::malloc_trim(0);  // what the old one leaves lies between what stays
   if (publisher_) publisher_->begin_anew(remaker_->take_whole(), remaker_->history());
@@ -228,15 +232,28 @@ void Live::map_scans()
   publish();
 }
 
-void Live::publish()
+/** The window before all that can wait. */
+void Live::show(DriveMap& map)
+{
+  if (publisher_) map.set_output(publisher_->layers(), [this] { publish_window(); });
+}
+
+void Live::publish_window()
 {
   const double now = now_s();
-  if (page_) page_->update(*map_);
-  if (!publisher_ || map_->frames() == published_frames_) return;
-  if (std::abs(now - published_s_) < 1 / options_.hz) return;
+  if (map_->frames() == published_frames_ || std::abs(now - published_s_) < 1 / options_.hz) return;
   published_s_ = now;
   published_frames_ = map_->frames();
-  publisher_->publish(*map_, stream_.map_frame());
+  publisher_->publish_window(*map_, stream_.map_frame());
+  is_rest_due_ = true;
+}
+
+void Live::publish()
+{
+  if (page_) page_->update(*map_);
+  if (!publisher_) return;
+  publish_window();
+  if (std::exchange(is_rest_due_, false)) publisher_->publish_rest(*map_, stream_.map_frame());
 }
 
 /** In a child: the map goes on meanwhile. */

@@ -18,12 +18,14 @@ class Publisher
   Publisher(live::Participant& network, std::vector<std::string> layers);
 
   /** Of the map after its newest frame, whose poses are in `frame`. */
-  void publish(DriveMap& map, const std::string& frame);
+  void publish_window(const DriveMap& map, const std::string& frame);
+  /** The same of all else. */
+  void publish_rest(DriveMap& map, const std::string& frame);
 
   /** From now on the map is another one, with this occupancy, made at these poses. */
   void begin_anew(WholeGrid whole, const std::vector<io::Trajectory::Entry>& poses);
 
-  /** The layers that publish() reads with each frame. */
+  /** The layers that both read with each frame. */
   std::vector<Layer> layers() const;
 
  private:

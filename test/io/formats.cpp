@@ -8,6 +8,8 @@
 #include <talus/formats/page.h>
 #include <talus/formats/write.h>
 
+#include <cstdlib>
+
 #include "log_files.h"
 #include "small_terrain.h"
 
@@ -41,7 +43,7 @@ TEST(Formats, free_islands_that_are_smaller_than_the_robot_are_closed)
   { return score[static_cast<std::size_t>(y * map.cells_x + x)]; };
   at(22, 12) = 0.5F;  // on the box
   for (const int x : {53, 54, 55}) at(x, 5) = 1;  // in the unknown
-  for (int x = 52; x < 58; ++x) at(x, 30) = 1;
+  for (int x = 52; x < 58; ++x) at(x, 30 + std::abs(x - 54)) = 1;  // corner by corner
   const ScratchDir dir;
   const auto pixels = [&](double close_m)
   {
@@ -56,7 +58,7 @@ TEST(Formats, free_islands_that_are_smaller_than_the_robot_are_closed)
     EXPECT_EQ(pixel(all, p.first, p.second), 254);
   EXPECT_EQ(pixel(closed, 22, 12), 0) << "blocked as the box around it";
   EXPECT_EQ(pixel(closed, 54, 5), 205) << "unknown as what is around it";
-  EXPECT_EQ(pixel(closed, 54, 30), 254) << "0.6 m long";
+  EXPECT_EQ(pixel(closed, 54, 30), 254) << "0.6 m wide";
   EXPECT_EQ(pixel(closed, 10, 12), 254);
 }
 

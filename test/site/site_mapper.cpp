@@ -247,10 +247,12 @@ TEST(SiteMapper, a_robot_that_turns_round_finds_the_map_that_it_made)
   };
   for (std::size_t i = 0; i < frames.size(); ++i)
   {
-    kept.mapper.update(kept.map, frames[i].view());
+    std::vector<float> told;
+    kept.mapper.update(kept.map, frames[i].view(), [&] { told = kept.map.layer(Layer::State); });
     forgets.mapper.update(forgets.map, frames[i].view());
     const auto &state = kept.map.layer(Layer::State),
                &ground = kept.map.layer(Layer::GroundElevation);
+    ASSERT_EQ(told, state) << "what comes back is there";
     for (std::size_t k = 0; k < state.size(); ++k)
       seams += state[k] == 1 && !(std::abs(ground[k]) < 0.005f) && !is_box(kept.map.window(), k);
     if (frames[i].time_s < 7 || frames[i].time_s > 9) continue;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
 #include <vector>
 
@@ -12,65 +11,75 @@ namespace talus::formats
 {
 namespace
 {
+/** Free cells of a row, side by side. */
+struct Span
+{
+  int y, begin_x, end_x;
+};
+
 /** Free cells that touch each other by a side or a corner. */
 struct Island
 {
-  std::vector<std::size_t> cells;  //!< none where it is too large to be closed
-  int min_x = std::numeric_limits<int>::max(), max_x = 0, min_y = min_x, max_y = 0;
+  std::vector<Span> spans;  //!< none where it is too large to be closed
+  int min_x = std::numeric_limits<int>::max(), end_x = 0, min_y = min_x, end_y = 0;
   bool touches_blocked = false;
 
-  int side() const { return std::max(max_x - min_x, max_y - min_y) + 1; }
+  int side() const { return std::max(end_x - min_x, end_y - min_y); }
 };
 
 class Islands
 {
  public:
-  Islands(const io::LayerStack& map, const Kinds& kinds)
-      : width_(map.cells_x), height_(map.cells_y), kinds_(kinds), is_taken_(kinds.size())
+  Islands(const Kinds& kinds, const io::LayerStack& map)
+      : width_(map.cells_x), height_(map.cells_y), left_(kinds)
   {
   }
 
-  bool begins_at(std::size_t i) const { return kinds_[i] == Kind::Free && !is_taken_[i]; }
+  bool begins_at(int x, int y) const { return left_[index(x, y)] == Kind::Free; }
+  std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
 
-  Island take(std::size_t first, double most_cells)
+  Island take(int x, int y, double max_cells)
   {
     Island island;
-    std::deque<std::size_t> next{first};
-    is_taken_[first] = true;
-    for (; !next.empty(); next.pop_front())
+    for (std::vector<Span> next{take_span(x, y)}; !next.empty();)
     {
-      look_around(next.front(), island, next);
-      if (island.side() < most_cells)
-        island.cells.push_back(next.front());
+      const Span span = next.back();
+      next.pop_back();
+      look_around(span, island, next);
+      if (island.side() < max_cells)
+        island.spans.push_back(span);
       else
-        island.cells.clear();
+        island.spans.clear();
     }
     return island;
   }
 
  private:
-  void look_around(std::size_t at, Island& island, std::deque<std::size_t>& next)
+  Span take_span(int x, int y)
   {
-    const auto row = static_cast<std::size_t>(width_);
-    const int x = static_cast<int>(at % row), y = static_cast<int>(at / row);
-    island.min_x = std::min(island.min_x, x);
-    island.max_x = std::max(island.max_x, x);
-    island.min_y = std::min(island.min_y, y);
-    island.max_y = std::max(island.max_y, y);
-    for (int ny = std::max(0, y - 1); ny <= std::min(height_ - 1, y + 1); ++ny)
-      for (int nx = std::max(0, x - 1); nx <= std::min(width_ - 1, x + 1); ++nx)
+    Span span{y, x, x};
+    while (span.begin_x > 0 && begins_at(span.begin_x - 1, y)) --span.begin_x;
+    while (span.end_x < width_ && begins_at(span.end_x, y)) ++span.end_x;
+    for (x = span.begin_x; x < span.end_x; ++x) left_.set(index(x, y), Kind::Unknown);
+    return span;
+  }
+
+  void look_around(const Span& span, Island& island, std::vector<Span>& next)
+  {
+    island.min_x = std::min(island.min_x, span.begin_x);
+    island.end_x = std::max(island.end_x, span.end_x);
+    island.min_y = std::min(island.min_y, span.y);
+    island.end_y = std::max(island.end_y, span.y + 1);
+    for (int y = std::max(0, span.y - 1); y < std::min(height_, span.y + 2); ++y)
+      for (int x = std::max(0, span.begin_x - 1); x < std::min(width_, span.end_x + 1); ++x)
       {
-        const std::size_t i = static_cast<std::size_t>(ny) * row + static_cast<std::size_t>(nx);
-        island.touches_blocked |= kinds_[i] == Kind::Blocked;
-        if (!begins_at(i)) continue;
-        is_taken_[i] = true;
-        next.push_back(i);
+        island.touches_blocked |= left_[index(x, y)] == Kind::Blocked;
+        if (begins_at(x, y)) next.push_back(take_span(x, y));
       }
   }
 
   int width_, height_;
-  const Kinds& kinds_;
-  std::vector<bool> is_taken_;
+  Kinds left_;  //!< what was taken is unknown
 };
 }  // namespace
 
@@ -89,14 +98,17 @@ Kinds kinds_of(const MapStrips& map, const Occupancy& o)
                                                      : Kind::Free);
       });
   if (o.close_islands_m <= 0) return kinds;
-  Islands islands(frame, kinds);
-  for (std::size_t first = 0; first < kinds.size(); ++first)
-  {
-    if (!islands.begins_at(first)) continue;
-    const Island island = islands.take(first, o.close_islands_m / frame.resolution_m);
-    for (const std::size_t i : island.cells)
-      kinds.set(i, island.touches_blocked ? Kind::Blocked : Kind::Unknown);
-  }
+  Islands islands(kinds, frame);
+  for (int y = 0; y < frame.cells_y; ++y)
+    for (int x = 0; x < frame.cells_x; ++x)
+    {
+      if (!islands.begins_at(x, y)) continue;
+      const Island island = islands.take(x, y, o.close_islands_m / frame.resolution_m);
+      for (const Span& span : island.spans)
+        for (int at = span.begin_x; at < span.end_x; ++at)
+          kinds.set(
+              islands.index(at, span.y), island.touches_blocked ? Kind::Blocked : Kind::Unknown);
+    }
   return kinds;
 }
 

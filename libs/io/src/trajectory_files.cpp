@@ -97,14 +97,18 @@ struct Quaternion
   double r, x, y, z;
 
   double norm() const { return std::sqrt(x * x + y * y + z * z + r * r); }
+  mrpt::math::CQuaternionDouble unit() const
+  {
+    const double length = norm();
+    return {r / length, x / length, y / length, z / length};
+  }
 };
 
-/** `q`: of any length. */
-CPose3D pose_of(const Quaternion& q, double x, double y, double z)
+CPose3D pose_of(const mrpt::math::CQuaternionDouble& unit, double x, double y, double z)
 {
-  const double norm = q.norm();
-  const mrpt::math::CQuaternionDouble unit(q.r / norm, q.x / norm, q.y / norm, q.z / norm);
-  return CPose3D(unit, x, y, z);
+  double roll, pitch, yaw;
+  unit.rpy(roll, pitch, yaw);
+  return CPose3D(x, y, z, yaw, pitch, roll);
 }
 
 /** The double that is `steps` doubles above the number. */
@@ -115,12 +119,15 @@ double beside(double number, int steps)
   return number;
 }
 
-/** That of which pose_of() makes this pose to the last bit: that of MRPT, or one close beside. */
+/** That of which pose_of() makes this pose to the last bit: that of MRPT, or one close beside. They
+ * have few pitches between them, and those which are wrong are tried once. */
 Quaternion quaternion_of(const CPose3D& pose)
 {
   constexpr int kMaxSteps = 2;
   const auto mrpt = mrpt::poses::CPose3DQuat(pose).quat();
   const Quaternion q{mrpt.r(), mrpt.x(), mrpt.y(), mrpt.z()};
+  const auto& R = pose.getRotationMatrix();
+  std::vector<double> wrong;  // half the sine of each
   for (int max = 0; max <= kMaxSteps; ++max)
     for (int w = -max; w <= max; ++w)
       for (int x = -max; x <= max; ++x)
@@ -128,7 +135,12 @@ Quaternion quaternion_of(const CPose3D& pose)
           for (int z = -max; z <= max; ++z)
           {
             const Quaternion near{beside(q.r, w), beside(q.x, x), beside(q.y, y), beside(q.z, z)};
-            if (pose_of(near, 0, 0, 0).getRotationMatrix() == pose.getRotationMatrix()) return near;
+            const auto unit = near.unit();
+            const double sine = unit.r() * unit.y() - unit.x() * unit.z();
+            if (std::find(wrong.begin(), wrong.end(), sine) != wrong.end()) continue;
+            const auto tried = pose_of(unit, 0, 0, 0).getRotationMatrix();
+            if (tried == R) return near;
+            if (tried(2, 0) != R(2, 0)) wrong.push_back(sine);
           }
   return q;
 }
@@ -150,7 +162,7 @@ Trajectory::Entry parse_line(
     fail_at_line(
         path, line, "quaternion has norm " + std::to_string(norm) + " instead of 1",
         std::string("Check the columns: ") + kTumColumns);
-  return {v[0], pose_of(q, v[1], v[2], v[3])};
+  return {v[0], pose_of(q.unit(), v[1], v[2], v[3])};
 }
 
 struct TumLine

@@ -41,11 +41,13 @@ SiteMapper::SiteMapper(Site& site, bool restores)
 }
 SiteMapper::~SiteMapper() = default;
 
-FrameReport SiteMapper::update(ElevationMapper& map, const Frame& frame)
+FrameReport SiteMapper::update(
+    ElevationMapper& map, const Frame& frame, const std::function<void()>& is_mapped)
 {
   const auto start = std::chrono::steady_clock::now();
   take_channels(map);
   FrameReport report = update_kept(map, frame);
+  if (is_mapped) is_mapped();
   if (state_.choice == Choice::None)
   {
     hindsight_->add(frame, state_.floor);

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -67,8 +68,10 @@ class SiteMapper
   ~SiteMapper();
 
   /** map.update(frame), and what leaves with it is kept, what came back restored: its total_ms
-   * counts all. Throws as update() and add_channels(), and std::runtime_error as TileStore. */
-  FrameReport update(ElevationMapper& map, const Frame& frame);
+   * counts all. `is_mapped` is called once the window stays as it is; hindsight has time. Throws as
+   * update() and add_channels(), and std::runtime_error as TileStore. */
+  FrameReport update(
+      ElevationMapper& map, const Frame& frame, const std::function<void()>& is_mapped = {});
   /** Keeps the cells of the window as they are: at the end of a drive, or between. */
   void keep_window(const ElevationMapper& map);
   /** Corrects all that is kept by what came later: at the end of a drive, after keep_window(). */
