@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <fstream>
 #include <regex>
 #include <stdexcept>
 #include <system_error>
@@ -20,6 +21,7 @@ namespace talus::app
 namespace
 {
 constexpr const char* kRunPrefix = ".talus-run.";  // of hidden folders of results
+constexpr const char* kMoves = ".talus-moves";  // in one whose results are being moved
 constexpr const char* kSiteStem = "(site|traffic)(_floor_[0-9]+)?(_island_[0-9]+)?";
 
 bool matches(const fs::path& name, const std::regex& pattern)
@@ -41,7 +43,7 @@ std::vector<fs::path> files_below(const fs::path& folder)
   return files;
 }
 
-/** What of a run before would be taken for a part of the results. */
+/** What of a run before would be taken for a part of the results, and is not replaced. */
 std::vector<fs::path> outdated(const fs::path& hidden, const std::set<std::string>& seals)
 {
   const fs::path folder = hidden.parent_path(), snapshots = "frames";
@@ -52,8 +54,9 @@ std::vector<fs::path> outdated(const fs::path& hidden, const std::set<std::strin
   const auto add = [&](const fs::path& in, const auto& is_old)
   {
     for (const auto& entry : fs::directory_iterator(in, none))
-      if (is_old(entry.path().filename()) && entry.is_regular_file(none))
-        old.push_back(entry.path());
+      if (const fs::path file = entry.path().lexically_relative(folder);
+          is_old(file.filename()) && entry.is_regular_file(none) && !fs::exists(hidden / file))
+        old.push_back(file);
   };
   add(folder,
       [&](const fs::path& name)
@@ -80,6 +83,51 @@ void make_room_for(const fs::path& file)
     throw std::runtime_error(
         file.string() + ": cannot be written: " + std::generic_category().message(errno));
 }
+
+/** Moves results, all of which are written, to their place; goes on where a run was killed that did
+ * so. False where nothing is to be moved, or, unless it is this run's own, out of the folder: who
+ * knows who packed the archive that it came from. */
+bool move_results(const fs::path& hidden, bool is_own)
+{
+  const fs::path folder = hidden.parent_path(), real = fs::weakly_canonical(folder);
+  if (!fs::is_regular_file(hidden / kMoves)) return false;
+  std::ifstream moves(hidden / kMoves, std::ios::binary);
+  const std::vector<fs::path> files = files_below(hidden);
+  std::vector<fs::path> seals, old, all = files;
+  for (std::string move; std::getline(moves, move, '\0') && !move.empty();
+       all.emplace_back(move.substr(1)))
+    (move[0] == '+' ? seals : old).emplace_back(move.substr(1));
+  const auto leads_out = [&](const fs::path& file)
+  {
+    return file.is_absolute() ||
+           fs::weakly_canonical((folder / file).parent_path()) != (real / file).parent_path();
+  };
+  if (!is_own && std::any_of(all.begin(), all.end(), leads_out)) return false;
+  for (const fs::path& seal : seals)
+    if (fs::exists(hidden / seal)) fs::remove(folder / seal);
+  for (const fs::path& file : old) fs::remove(folder / file);
+  std::reverse(seals.begin(), seals.end());
+  for (const fs::path& file : files)
+    if (std::count(seals.begin(), seals.end(), file) == 0) fs::rename(hidden / file, folder / file);
+  for (const fs::path& seal : seals)
+    if (fs::exists(hidden / seal)) fs::rename(hidden / seal, folder / seal);
+  return true;
+}
+
+/** Finishes what killed runs had begun to move, and removes what else they left. */
+void tidy_up(const fs::path& folder, const std::string& name)
+{
+  bool is_moved = false;
+  for (const fs::path& hidden : io::HiddenFolder::all_in(folder, kRunPrefix))
+    if (const io::FolderLock lock(hidden, io::FolderLock::IfTaken::GiveUp); lock.is_held())
+      is_moved |= move_results(hidden, false);
+  if (io::HiddenFolder::remove_abandoned(folder, kRunPrefix) +
+          io::HiddenFolder::remove_abandoned(folder, io::kFilePrefix) >
+      0)
+    print_error(
+        "warning: " + name + ": " + (is_moved ? "put in place" : "removed") +
+        " what a run that was killed had left there");
+}
 }  // namespace
 
 OutputFolder::OutputFolder(const std::string& folder, const std::string& option)
@@ -91,10 +139,8 @@ OutputFolder::OutputFolder(const std::string& folder, const std::string& option)
   try
   {
     fs::create_directories(folder_);
-    if (io::HiddenFolder::remove_abandoned(folder_, kRunPrefix) +
-            io::HiddenFolder::remove_abandoned(folder_, io::kFilePrefix) >
-        0)
-      print_error("warning: " + name_ + ": removed what a run that was killed had left there");
+    const io::FolderLock lock(folder_, io::FolderLock::IfTaken::Wait);
+    tidy_up(folder_, name_);
     hidden_ = std::make_unique<io::HiddenFolder>(folder_, kRunPrefix);
   }
   catch (const std::system_error& e)
@@ -135,18 +181,20 @@ void OutputFolder::commit(const std::set<std::string>& seals)
   const fs::path hidden = hidden_->path();
   try
   {
+    tidy_up(folder_, name_);  // what was to be there before
     for (const std::string& seal : seals)
       if (!fs::exists(hidden / seal))
         throw std::runtime_error((hidden / seal).string() + ": was not written");
     const std::vector<fs::path> files = files_below(hidden);
     for (const fs::path& file : files) make_room_for(folder_ / file);
     const std::vector<fs::path> old = outdated(hidden, seals);
-    if (files.size() > 1 || !old.empty())  // one file takes the place of another at once
-      for (auto seal = seals.rbegin(); seal != seals.rend(); ++seal) fs::remove(folder_ / *seal);
-    for (const fs::path& file : old) fs::remove(file);
-    for (const fs::path& file : files)
-      if (seals.count(file.string()) == 0) fs::rename(hidden / file, folder_ / file);
-    for (const std::string& seal : seals) fs::rename(hidden / seal, folder_ / seal);
+    if (files.size() == 1 && old.empty())  // takes the place of another at once
+      return fs::rename(hidden / files[0], folder_ / files[0]);
+    std::string moves;
+    for (auto seal = seals.rbegin(); seal != seals.rend(); ++seal) moves += '+' + *seal + '\0';
+    for (const fs::path& file : old) moves += '-' + file.string() + '\0';
+    io::write_file(hidden / kMoves, moves);  // a run that is killed from here on is finished later
+    move_results(hidden, true);
   }
   catch (const std::exception& e)
   {

@@ -12,8 +12,8 @@ namespace talus::app
 {
 /** A folder whose new files appear together at the end, or not at all: they are written into a
  * hidden folder inside of it and moved by commit(). Until then, and when anything fails, what was
- * there before stays as it is; folders that were made for nothing are removed. The next run removes
- * the hidden folder of one that was killed, and says so on stderr. */
+ * there before stays as it is; folders that were made for nothing are removed. The next run
+ * finishes what one that was killed had begun to move, else removes it, and says so on stderr. */
 class OutputFolder
 {
  public:
@@ -34,7 +34,8 @@ class OutputFolder
    * taken for a part of the results, such as snapshots, floors and exports of a run before, is
    * removed. `seals` are the files that say that the results are complete: they vanish first, the
    * last one before the others, and appear last, so that a run that is killed meanwhile leaves
-   * none. Throws std::runtime_error; before anything has changed where results cannot be replaced.
+   * none until the next run finishes it. Throws std::runtime_error; before anything has changed
+   * where results cannot be replaced.
    */
   void commit(const std::set<std::string>& seals);
   void commit(const std::string& seal) { commit(std::set<std::string>{seal}); }

@@ -5,7 +5,7 @@
 
 namespace talus::app
 {
-std::string printable(std::string_view text)
+std::string printable(std::string_view text, std::string_view kept)
 {
   // U+0080 to U+009F in UTF-8: 0xC2 and one of these bytes.
   const auto at = [&](std::size_t i) { return i < text.size() ? text[i] & 0xFF : 0; };
@@ -13,7 +13,8 @@ std::string printable(std::string_view text)
   std::string shown;
   for (std::size_t i = 0; i < text.size(); ++i)
   {
-    const bool is_ascii_control = (at(i) < 0x20 && at(i) != '\n' && at(i) != '\t') || at(i) == 0x7F;
+    const bool is_ascii_control =
+        (at(i) < 0x20 || at(i) == 0x7F) && kept.find(text[i]) == kept.npos;
     const bool is_half_of_control =
         (at(i) == 0xC2 && is_second(i + 1)) || (is_second(i) && i > 0 && at(i - 1) == 0xC2);
     char code[8];
@@ -49,7 +50,7 @@ PrintableBuffer::~PrintableBuffer()
 
 std::streamsize PrintableBuffer::xsputn(const char* text, std::streamsize size)
 {
-  const std::string shown = printable(shortened({text, static_cast<std::size_t>(size)}));
+  const std::string shown = printable(shortened({text, static_cast<std::size_t>(size)}), "\t\n");
   const auto length = static_cast<std::streamsize>(shown.size());
   return to_->sputn(shown.data(), length) == length ? size : 0;
 }

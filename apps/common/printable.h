@@ -6,15 +6,16 @@
 
 namespace talus::app
 {
-/** A text as a terminal shows it and does not obey it: control characters other than the end of a
- * line and a tab become `\xNN`. */
-std::string printable(std::string_view text);
+/** A text as a terminal shows it and does not obey it: control characters that are not among `kept`
+ * become `\xNN`, also in names, which may have line breaks. */
+std::string printable(std::string_view text, std::string_view kept = "\t");
 
 /** A text whose words of more than 400 bytes have lost their middle: what was wrong in a file or on
  * a command line is shown, and may be of any length. */
 std::string shortened(std::string_view text);
 
-/** While one lives, all that goes to a stream passes shortened() and printable(). */
+/** While one lives, all that goes to a stream passes shortened() and printable(), line breaks kept.
+ */
 class PrintableBuffer : public std::streambuf
 {
  public:

@@ -61,7 +61,6 @@ void ProgressBar::show(double fraction, const std::string& words)
   std::string line = label_ + " [" + std::string(filled, '#') + std::string(kWidth - filled, '.') +
                      "] " + std::to_string(static_cast<int>(100 * fraction)) + " %  " +
                      printable(words) + (left.empty() ? "" : ", " + left);
-  std::replace(line.begin(), line.end(), '\n', ' ');
   line.resize(std::min(line.size(), columns() - 1));
   std::fprintf(stderr, "\r%s\033[K", line.c_str());
   std::fflush(stderr);

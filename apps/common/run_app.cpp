@@ -40,12 +40,8 @@ int run_app(
   }
 }
 
-/** A name of a file may have line breaks; what is said has none. */
 void print_error(const std::string& text)
 {
-  std::string line = text;
-  for (auto at = line.find('\n'); at != std::string::npos; at = line.find('\n', at))
-    line.replace(at, 1, "\\x0a");
-  std::cerr << name_of_command() << ": " << line << "\n";
+  std::cerr << name_of_command() << ": " << printable(text) << "\n";
 }
 }  // namespace talus::app

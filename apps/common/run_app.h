@@ -26,7 +26,7 @@ int run_app(const std::string& name, int argc, char** argv, int (*body)(const Op
       [&] { return body(options); });
 }
 
-/** Prints "NAME: TEXT" of that command to stderr. */
+/** Prints "NAME: TEXT" of that command to stderr, in one line. */
 void print_error(const std::string& text);
 
 /** What `--version` says, in one line: "talus-map 0.1.0 (commit ea309eb, backends cpu and cuda)".

@@ -110,7 +110,7 @@ void calibrate_log(const AppOptions& options, const std::string& folder)
   write_results(folder, options, log, result);
   bar.show(1, "done");
   for (const auto& warning : result.warnings)
-    std::cerr << "talus-calibrate: warning: " << options.log << ": " << warning << "\n";
+    talus::app::print_error("warning: " + options.log + ": " + warning);
   if (!options.quiet) std::cout << console_report(options, log, result);
 }
 

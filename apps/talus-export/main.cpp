@@ -8,6 +8,9 @@
 #include "../common/output_folder.h"
 #include "../common/run_app.h"
 
+#include <talus/io/geotiff.h>
+#include <talus/site/site_geotiff.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -180,7 +183,10 @@ int export_all(const Options& o, const Folders& folders)
   {
     const auto look = [&]
     {
-      inputs.push_back({file, app::files_of_map(file)});
+      const std::vector<std::string> map = app::files_of_map(file);
+      if (talus::site::is_site(talus::io::GeotiffFile(file)))
+        for (const std::string& part : map) talus::site::require_whole(part);
+      inputs.push_back({file, map});
       return 0;
     };
     code = std::max(code, app::code_of(look, print_error, file, kLessMemory));

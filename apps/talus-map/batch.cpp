@@ -4,6 +4,7 @@
 #include "../common/memory_limit.h"
 #include "../common/log_name.h"
 #include "../common/output_folder.h"
+#include "../common/printable.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -110,7 +111,7 @@ class Batch
                 << failed_.size() << " failed\n";
     if (failed_.empty()) return;
     print_error(std::to_string(failed_.size()) + " of the logs failed:");
-    for (const auto& log : failed_) std::cerr << "  " << log << "\n";
+    for (const auto& log : failed_) std::cerr << "  " << printable(log) << "\n";
   }
 
   std::vector<Job> jobs_;

@@ -322,12 +322,16 @@ void warn_of_old_exports(const fs::path& map)
 int run_merge(const Options& o)
 {
   require_files_apart(o);
-  std::optional<OutputFolder> drawn;
-  if (!o.picture.empty()) drawn.emplace(folder_of(o.picture));
-  const std::string picture = drawn ? made_in(drawn->staging(), o.picture) : "";
+  std::optional<OutputFolder> drawn;  // elsewhere; beside the map the picture comes with it
+  if (!o.picture.empty() && !app::is_same_file(folder_of(o.picture), folder_of(o.output)))
+    drawn.emplace(folder_of(o.picture));
   const int code = app::make_results(
       folder_of(o.output), name_of(o.output), o.inputs.front(), kLessMemory,
-      [&](const std::string& staging) { merge(o, staging, picture); });
+      [&](const std::string& staging)
+      {
+        const std::string beside = drawn ? drawn->staging() : staging;
+        merge(o, staging, o.picture.empty() ? "" : made_in(beside, o.picture));
+      });
   if (code != 0) return code;
   if (drawn) drawn->commit(name_of(o.picture));
   warn_of_old_exports(o.output);

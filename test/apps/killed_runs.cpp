@@ -1,5 +1,5 @@
-// A run that is killed, at whatever moment: the place has the results of one run or none, and the
-// next run tidies up.
+// A run that is killed, at whatever moment: the place has the results of one run or no seal, and
+// after the next run, which may be killed as well, all of one run.
 #include <gtest/gtest.h>
 #include <sys/ptrace.h>
 #include <sys/wait.h>
@@ -137,7 +137,7 @@ char sign_of(const ScratchDir& dir, int nth)
 }
 }  // namespace
 
-TEST(KilledRuns, leave_the_results_of_one_run_or_no_seal_and_the_next_run_tidies_up)
+TEST(KilledRuns, leave_the_results_of_one_run_or_no_seal_and_the_next_run_finishes_them)
 {
   if (!is_killed_at(1, [] { ::getppid(); }))
     GTEST_SKIP() << "this machine lets no process trace another";
@@ -146,18 +146,21 @@ TEST(KilledRuns, leave_the_results_of_one_run_or_no_seal_and_the_next_run_tidies
   std::map<char, int> count;
   for (int n = 1; kill_second_run(dir, n); n += kStep)
   {
-    ++count[sign_of(dir, n)];
-    {
-      const OutputFolder next(dir / "out");  // which fails
-    }
-    for (const auto& [name, bytes] : files_in(dir / ""))
-      EXPECT_NE(bytes, "hidden folder") << name << ", killed at " << n;
+    const char sign = sign_of(dir, n);
+    ++count[sign];
+    const auto next = [&] { const OutputFolder fails(dir / "out"); };
+    for (int m = 1; sign == '?' && is_killed_at(m, next); m += kStep) sign_of(dir, n);
+    next();
+    Files left = (sign_of(dir, n) == 'A' ? kFirst : kSecond).files();
+    left["out/frames/notes.txt"] = "mine";
+    EXPECT_EQ(files_in(dir / ""), left) << "killed at " << n;
   }
   EXPECT_GT(count['A'], 20);
   EXPECT_GT(count['?'], 2);
   EXPECT_GT(count['B'], 0);
   const std::string said = testing::internal::GetCapturedStderr();
   EXPECT_SAYS(said, "out: removed what a run that was killed had left");
+  EXPECT_SAYS(said, "out: put in place what a run that was killed had left");
 }
 
 TEST(KilledRuns, are_not_tidied_up_after_while_another_run_holds_its_folder)
@@ -173,6 +176,26 @@ TEST(KilledRuns, are_not_tidied_up_after_while_another_run_holds_its_folder)
     EXPECT_EQ(read_bytes(dir / "out/seal"), "second");
   }
   EXPECT_EQ(files_in(dir / ""), (Files{{"out/seal", "second"}}));
+}
+
+TEST(KilledRuns, change_nothing_out_of_their_folder)
+{
+  const ScratchDir dir;
+  fs::create_directories(dir / "elsewhere");
+  write_bytes(dir / "mine.txt", "mine");
+  for (const bool removes : {false, true})
+  {
+    const std::string left = dir / "out/.talus-run.abcdef";
+    fs::create_directories(left + "/link");
+    fs::remove(dir / "out/link");
+    fs::create_directory_symlink(dir / "elsewhere", dir / "out/link");
+    if (!removes) write_bytes(left + "/link/new.txt", "of somebody");
+    write_bytes(left + "/.talus-moves", removes ? "-../mine.txt" : "");
+    const OutputFolder next(dir / "out");
+    EXPECT_FALSE(fs::exists(left));
+  }
+  EXPECT_EQ(read_bytes(dir / "mine.txt"), "mine");
+  EXPECT_TRUE(fs::is_empty(dir / "elsewhere"));
 }
 
 TEST(KilledRuns, take_their_children_along)

@@ -16,7 +16,7 @@ using namespace talus::app;
 
 TEST(Printable, TextStaysAsItIs)
 {
-  for (const std::string text : {"", "a b\tc\n", "Gr\u00fc\u00dfe \u20ac \U0001F916", "\\x1b"})
+  for (const std::string text : {"", "a b\tc", "Gr\u00fc\u00dfe \u20ac \U0001F916", "\\x1b"})
     EXPECT_EQ(printable(text), text);
 }
 
@@ -24,6 +24,8 @@ TEST(Printable, WhatATerminalObeysBecomesACode)
 {
   EXPECT_EQ(printable("\x1b[31mred\r\x7f\a"), "\\x1b[31mred\\x0d\\x7f\\x07");
   EXPECT_EQ(printable(std::string("\0", 1)), "\\x00");
+  EXPECT_EQ(printable("a\nb"), "a\\x0ab") << "a line of its own";
+  EXPECT_EQ(printable("a\nb\t", "\n"), "a\nb\\x09");
   EXPECT_EQ(printable("\u009b31m"), "\\xc2\\x9b31m") << "the same as ESC [, in one character";
 }
 

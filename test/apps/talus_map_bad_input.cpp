@@ -41,6 +41,8 @@ TEST_F(TalusMapBadInput, a_name_with_a_line_break_is_told_in_one_line)
   write_bytes(path("a\nb.tum"), "no poses");
   write_good_log("x.rawlog");
   EXPECT_TRUE(run("x.rawlog --trajectory 'a\nb.tum' --output out").says("a\\x0ab.tum"));
+  write_bytes(path("c\nd.rawlog"), "");
+  EXPECT_TRUE(run("x.rawlog 'c\nd.rawlog' --static --output out").says("\n  c\\x0ad.rawlog"));
 }
 
 TEST_F(TalusMapBadInput, a_log_that_cannot_be_mapped_says_why_and_what_to_pass)

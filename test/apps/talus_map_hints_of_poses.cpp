@@ -104,6 +104,10 @@ TEST_F(TalusMapHintsOfPoses, whose_axes_are_mirrored_swapped_or_turned)
        [](const CPose3D& T) {
          return Place{T.x(), T.y(), 0};
        }},
+      {"multiplied by 0.1000:",
+       [](const CPose3D& T) {
+         return Place{10 * T.x(), 10 * T.y(), T.yaw()};
+       }},
       {"multiplied by 0.3",
        [](const CPose3D& T) {
          return Place{T.x() / 0.3, T.y() / 0.3, T.yaw()};
@@ -217,9 +221,11 @@ TEST_F(TalusMapHintsOfPoses, against_which_the_clock_of_the_scans_is_late_or_ear
   }
 }
 
-TEST_F(TalusMapHintsOfPoses, in_feet_or_tenths_of_a_drive_of_five_metres)
+TEST_F(TalusMapHintsOfPoses, in_other_units_of_a_drive_of_five_metres)
 {
-  for (const double scale : {1.0, 1 / 0.3048, 0.1})
+  const std::map<double, std::string> units{
+      {1 / 0.0254, "0.0254:"}, {10, "0.1000:"}, {1 / 0.3048, "0.3048:"}, {0.1, "10.00:"}};
+  for (const double scale : {1.0, 1 / 0.0254, 10.0, 1 / 0.3048, 0.1})
   {
     Scene scene = room_with([](double t) -> Place { return {std::min(t, 4.7), 0, 0}; });
     scene.bystander = {{3, 3.6, 2, 2.8, 1}, {7, 7.3, -3, -2, 1}, {8, 8.6, 3, 3.5, 1}};
@@ -231,27 +237,34 @@ TEST_F(TalusMapHintsOfPoses, in_feet_or_tenths_of_a_drive_of_five_metres)
     for (const auto& [time_s, T] : talus::io::Trajectory::load(path("drive.tum")).entries())
       tum += mrpt::format("%.6f %f 0 0 0 0 0 1\n", time_s, scale * T.x());
     write_bytes(path("drive.tum"), tum);
-    EXPECT_EQ(run("drive.rawlog --no-site --output out").says("multiplied by"), scale != 1);
+    const CommandEnd done = run("drive.rawlog --no-site --output out");
+    EXPECT_EQ(done.says("multiplied by"), scale != 1);
+    EXPECT_TRUE(scale == 1 || done.says("multiplied by " + units.at(scale))) << done.err;
   }
 }
 
-TEST_F(TalusMapHintsOfPoses, of_another_drive)
+TEST_F(TalusMapHintsOfPoses, of_another_drive_and_mirrored_along_x)
 {
   Scene scene = room_with([](double t) -> Place { return {0.6 * t, 0, 0.8 * std::sin(t)}; });
-  scene.bystander = {{3, 3.6, 2, 2.8, 1}, {4, 4.3, -3, -2, 1}, {7, 7.6, 1, 1.5, 1}};
+  scene.bystander = {
+      {3, 3.6, 2, 2.8, 1}, {4, 4.3, -3, -2, 1}, {7, 7.6, 1, 1.5, 1}, {9, 9.2, -8, 4.5, 2}};
   scene.duration_s = 12;
   write_scene(scene);
   EXPECT_EQ(causes(), kNone);
-  std::string tum;
-  for (int i = 0; i < 120; ++i)
+  for (const bool is_mirrored : {false, true})
   {
-    const double yaw = 0.8 * std::sin(0.1 * i + 2.5);
-    tum += mrpt::format(
-        "%.6f %f %f 0 0 0 %f %f\n", kFirstStamp_s + 0.1 * i, 0.06 * i, 0.02 * i, std::sin(yaw / 2),
-        std::cos(yaw / 2));
+    std::string tum;
+    for (int i = 0; i < 120; ++i)
+    {
+      const double yaw = 0.8 * std::sin(0.1 * i + (is_mirrored ? 0 : 2.5));
+      tum += mrpt::format(
+          "%.6f %f %f 0 0 0 %f %f\n", kFirstStamp_s + 0.1 * i, (is_mirrored ? -0.06 : 0.06) * i,
+          is_mirrored ? 0 : 0.02 * i, std::sin(yaw / 2), std::cos(yaw / 2));
+    }
+    write_bytes(path("drive.tum"), tum);
+    EXPECT_TRUE(run("drive.rawlog --no-site --output out")
+                    .says(is_mirrored ? "x of the poses is mirrored" : "the poses of this log"));
   }
-  write_bytes(path("drive.tum"), tum);
-  EXPECT_TRUE(run("drive.rawlog --no-site --output out").says("the poses of this log"));
 }
 
 TEST_F(TalusMapHintsOfPoses, of_a_late_clock_show_where_points_have_times)
@@ -264,6 +277,33 @@ TEST_F(TalusMapHintsOfPoses, of_a_late_clock_show_where_points_have_times)
     scene.late_s = late_s;
     write_scene(scene);
     EXPECT_EQ(causes(), late_s == 0 ? kNone : only("the clock of the scans"));
+  }
+}
+
+TEST_F(TalusMapHintsOfPoses, where_the_times_of_points_run_backwards)
+{
+  Scene scene = room_with(turning_at(0.8, 0.8));
+  scene.sweep_s = 0.1;
+  scene.has_times = scene.has_times_backwards = true;
+  write_scene(scene);
+  EXPECT_EQ(causes(), only("the times of the points run backwards"));
+}
+
+TEST_F(TalusMapHintsOfPoses, against_which_the_clock_of_the_scans_runs_fast_or_slow)
+{
+  write_scene(room_with(turning_at(0.8, 0.8)));
+  const auto poses = talus::io::Trajectory::load(path("drive.tum"));
+  for (const double seconds : {0.95, 1.05})
+  {
+    std::string tum;
+    for (const auto& [time_s, T] : poses.entries())
+      tum += mrpt::format(
+          "%.6f %f %f 0 0 0 %f %f\n", kFirstStamp_s + seconds * (time_s - kFirstStamp_s), T.x(),
+          T.y(), std::sin(T.yaw() / 2), std::cos(T.yaw() / 2));
+    write_bytes(path("drive.tum"), tum);
+    const CommandEnd done = run("drive.rawlog --no-site --output out");
+    EXPECT_TRUE(done.says("the clock of the scans runs 5.")) << done.err;
+    EXPECT_TRUE(done.says(seconds < 1 ? "% fast against" : "% slow against")) << done.err;
   }
 }
 

@@ -80,6 +80,7 @@ inline const std::set<std::string>& all_causes()
       "poses have no pitch",
       "the clock of the scans",
       "scans are not deskewed",
+      "the times of the points run backwards",
   };
   return causes;
 }

@@ -54,7 +54,7 @@ struct Scene
   double sensor_m = 0.7, lowest_deg = -35;
   double duration_s = 8, step_s = 0.2;
   double sweep_s = 0;  //!< from the first ray of a scan to the last; they are told as one moment
-  bool has_times = false;  //!< of the rays
+  bool has_times = false, has_times_backwards = false;  //!< of the rays
   double late_s = 0;  //!< of the stamps of the scans
   std::vector<Box> bystander{};
 };
@@ -125,7 +125,9 @@ class HintScenes : public HintDrive
           static_cast<float>(r_m * std::cos(rise) * std::cos(turn)),
           static_cast<float>(r_m * std::cos(rise) * std::sin(turn)),
           static_cast<float>(r_m * std::sin(rise)));
-      timed->point_cloud.timestamp.push_back(mrpt::Clock::fromDouble(stamp_s + ray_s - time_s));
+      const double passed_s =
+          scene.has_times_backwards ? scene.sweep_s - (ray_s - time_s) : ray_s - time_s;
+      timed->point_cloud.timestamp.push_back(mrpt::Clock::fromDouble(stamp_s + passed_s));
     }
     obs->pointcloud = points;
     timed->minRange = 0;

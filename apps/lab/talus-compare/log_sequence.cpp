@@ -3,6 +3,7 @@
 #include "../../common/memory_limit.h"
 #include "../../common/log_name.h"
 #include "../../common/crash_context.h"
+#include "../../common/run_app.h"
 
 #include <talus/input_file.h>
 #include <talus/io/geotiff.h>
@@ -13,7 +14,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <stdexcept>
 
@@ -36,10 +36,11 @@ bool is_nowhere(const mrpt::poses::CPose3D& T_map_base)
 void warn_of_skipped(const std::string& path, int scans)
 {
   if (scans == 0) return;
-  std::cerr << "talus-compare: warning: " << path << ": " << scans
-            << (scans == 1 ? " scan was" : " scans were")
-            << " skipped: the pose is more than 1000 km away from the origin of the map, or more "
-               "than 100 km high; look for it in the trajectory\n";
+  app::print_error(
+      "warning: " + path + ": " + std::to_string(scans) +
+      (scans == 1 ? " scan was" : " scans were") +
+      " skipped: the pose is more than 1000 km away from the origin of the map, or more "
+      "than 100 km high; look for it in the trajectory");
 }
 
 ScanFrame frame_from(

@@ -13,7 +13,6 @@
 #include "../../common/crash_context.h"
 #include "../../common/log_name.h"
 #include "../../common/output_folder.h"
-#include "../../common/printable.h"
 #include "../../common/progress_bar.h"
 #include "../../common/run_app.h"
 #include "report.h"
@@ -114,9 +113,9 @@ class Progress
   Progress(std::string name, const CommandOptions& o) : name_(std::move(name)), wanted_(!o.quiet)
   {
     if (!wanted_ || ::isatty(STDERR_FILENO)) return;
-    std::cerr << "talus-compare: " << talus::app::printable(name_) << ": "
-              << o.evaluation.methods.size()
-              << (o.evaluation.methods.size() == 1 ? " method" : " methods") << "\n";
+    const std::size_t count = o.evaluation.methods.size();
+    talus::app::print_error(
+        name_ + ": " + std::to_string(count) + (count == 1 ? " method" : " methods"));
   }
   void show(const char* step, int done, int total)
   {

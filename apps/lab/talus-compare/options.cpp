@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include "../../common/command_line.h"
+#include "../../common/run_app.h"
 #include "../../common/settings.h"
 
 #include <talus/mrpt/parameters_ini.h>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <iostream>
 #include <set>
 
 namespace talus::baselines
@@ -225,8 +225,7 @@ void add_options(CLI::App& app, CommandOptions& options)
 void load_parameters_into(CommandOptions& o)
 {
   const app::Settings settings = app::load_settings(o.config, o.settings);
-  for (const std::string& warning : settings.warnings)
-    std::cerr << "talus-compare: warning: " << warning << "\n";
+  for (const std::string& warning : settings.warnings) app::print_error("warning: " + warning);
   o.evaluation.parameters = settings.parameters;
 }
 

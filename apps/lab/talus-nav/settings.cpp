@@ -1,5 +1,6 @@
 #include "options.h"
 
+#include "../../common/run_app.h"
 #include "builtin_configs.h"
 #include "planner_ini.h"
 
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <iostream>
 #include <stdexcept>
 
 namespace talus::nav
@@ -63,8 +63,9 @@ void warn_of_missing_obstacles(
     const mrpt::config::CConfigFileBase& ini, const std::string& name, const Options& o)
 {
   if (o.map != "talus" || ini.sectionExists(kObstacles)) return;
-  std::cerr << "talus-nav: warning: " << name << ": has no section [" << kObstacles
-            << "]; obstacles are made with its defaults, see doc/obstacles.md\n";
+  app::print_error(
+      "warning: " + name + ": has no section [" + kObstacles +
+      "]; obstacles are made with its defaults, see doc/obstacles.md");
 }
 
 constexpr double kMargin_m = 1.5;
@@ -120,7 +121,7 @@ Settings load_settings(const Options& o)
       if (w.rfind("unknown key", 0) == 0)
         throw std::runtime_error(w);
       else
-        std::cerr << "talus-nav: warning: " << s.name << ": " << w << "\n";
+        app::print_error("warning: " + s.name + ": " + w);
     if (o.map != "octomap" && s.parameters.resolution_m != kCostmapCell_m)
       throw std::runtime_error(mrpt::format(
           "resolution = %g m: must be %g m, as the costmap of the route has",

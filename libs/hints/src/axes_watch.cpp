@@ -25,7 +25,14 @@ constexpr std::size_t kMaxSpeeds = 1000, kMinSpeeds = 5;
 constexpr double kSameWalls_m = 4;  // frames that see the same walls
 constexpr double kAcross = 0.7;  // cosine between the normal of a wall and the path
 constexpr double kMinAcross = 40;  // of these, to compare
-constexpr double kMinScale = 1.1;  // what a sound drive fits by chance: less
+/** What a position counts that is no metre, in metres; and the other way round. */
+constexpr double kUnits[] = {0.001, 0.01, 0.0254, 0.1, 0.3048, 1 / 0.3048, 10};
+constexpr double kNearUnit = 0.05;  // a scale as near to one is that
+
+std::string scaled_by(double scale)
+{
+  return "positions are multiplied by " + fixed_text(scale, scale < 1 ? 4 : 2);
+}
 }  // namespace
 
 bool AxesWatch::wants(double stamp_s, const Pose& T_map_base)
@@ -128,6 +135,7 @@ AxesWatch::Change AxesWatch::best_change() const
   constexpr double kLeverStep_m = 0.5;
   std::vector<Change> all{
       {"y of the poses is mirrored", true},
+      {"x of the poses is mirrored", true, false, false, M_PI},
       {"y and yaw of the poses are mirrored (or y of the points)", true, true},
       {"the yaw of the poses is mirrored", false, true},
       {"x and y of the poses are swapped", false, false, true},
@@ -147,9 +155,8 @@ AxesWatch::Change AxesWatch::best_change() const
   for (int i = 1; i < kTurns; ++i)
     all.push_back({"the sensor is turned by yaw ", false, false, false, 2 * M_PI * i / kTurns});
   for (int i = -kScales; i <= kScales; ++i)
-    if (i != 0)
-      all.push_back(
-          {"positions are multiplied by ", false, false, false, 0, std::pow(kScaleStep, i)});
+    if (i != 0) all.push_back({"", false, false, false, 0, std::pow(kScaleStep, i)});
+  for (const double unit : kUnits) all.push_back({"", false, false, false, 0, unit});
   Change best = all.front();
   double least_m = HUGE_VAL;
   const auto look = [&](const Change& change)
@@ -163,14 +170,14 @@ AxesWatch::Change AxesWatch::best_change() const
   for (const double by : {0.5, 0.25, 0.125})  // steps
   {
     const Change coarse = best;
-    for (const double sign : {-1, 1})
+    for (const double sign : {-1, 0, 1})
     {
       Change fine = coarse;
       if (fine.turn_rad != 0) fine.turn_rad += sign * by * 2 * M_PI / kTurns;
       if (fine.scale != 1) fine.scale *= std::pow(kScaleStep, sign * by);
       look(fine);
       if (is_lever(coarse))
-        for (const double side : {-1, 1})
+        for (const double side : {-1, 0, 1})
         {
           fine.ahead_m = coarse.ahead_m + sign * by * kLeverStep_m;
           fine.left_m = coarse.left_m + side * by * kLeverStep_m;
@@ -178,6 +185,8 @@ AxesWatch::Change AxesWatch::best_change() const
         }
     }
   }
+  for (const double unit : kUnits)
+    if (std::abs(best.scale / unit - 1) < kNearUnit) best.scale = unit;
   return best;
 }
 
@@ -191,30 +200,27 @@ std::optional<AxesWatch::Fit> AxesWatch::better_axes() const
   std::string text = best.text;
   if (is_lever(best))
     text += fixed_text(best.ahead_m, 1) + " m ahead and " + fixed_text(best.left_m, 1) + " m left";
-  if (best.turn_rad != 0 && !best.mirrors_yaw)
+  if (best.turn_rad != 0 && !best.mirrors_yaw && !best.mirrors_y)
     text += fixed_text(std::remainder(best.turn_rad, 2 * M_PI) * 180 / M_PI, 0) + " degrees";
-  if (best.scale != 1) text += fixed_text(best.scale, 2);
+  if (best.scale != 1) text = scaled_by(best.scale);
   return Fit{given_m, best_m, text};
 }
 
 std::optional<AxesWatch::Fit> AxesWatch::better_scale() const
 {
-  constexpr int kScales = 63;  // up to 12
-  constexpr double kScaleStep = 1.04;
   constexpr double kFits = 0.2, kHardlyFits = 0.25;  // of the walls; of those that fit best
   Change change{""};
   change.only_across = true;
   const double given_m = apart_m(change);
   double best_m = given_m, scale = 1;
-  for (int i = -kScales; i <= kScales; ++i)
+  for (const double unit : kUnits)
   {
-    change.scale = std::pow(kScaleStep, i);
-    if (const double m = apart_m(change); m < best_m) best_m = m, scale = change.scale;
+    change.scale = unit;
+    if (const double m = apart_m(change); m < best_m) best_m = m, scale = unit;
   }
   const double given = 1 - given_m / kMaxApart_m, best = 1 - best_m / kMaxApart_m;
-  if (!(best > kFits && given < kHardlyFits * best) || std::max(scale, 1 / scale) < kMinScale)
-    return {};
-  return Fit{given_m, best_m, "positions are multiplied by " + fixed_text(scale, 2)};
+  if (!(best > kFits && given < kHardlyFits * best)) return {};
+  return Fit{given_m, best_m, scaled_by(scale)};
 }
 
 /** By all motions of up to 2 m and 34 degrees. */

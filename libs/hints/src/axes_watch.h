@@ -31,8 +31,8 @@ class AxesWatch
   };
   std::optional<Fit> better_axes() const;
 
-  /** The same of positions that are multiplied: of walls across the path from one frame to the
-   * other, as those along it fit any. */
+  /** The same of positions in other units: of walls across the path from one frame to the other, as
+   * those along it fit any. */
   std::optional<Fit> better_scale() const;
 
   /** The same of a path that turns while the heading stays; NaN else. */
@@ -57,7 +57,7 @@ class AxesWatch
   };
   struct Change
   {
-    const char* text;  //!< a number that is made of it follows
+    const char* text;  //!< a number that is made of it follows; of a scale empty
     bool mirrors_y = false, mirrors_yaw = false, swaps = false;
     double turn_rad = 0, scale = 1;
     bool only_across = false;  //!< walls across the path from one frame to the other

@@ -19,8 +19,13 @@ std::optional<Hint> wrong_times_of(const SensorFigures& s)
 {
   const double now_m = s.lag.apart_m({});
   if (!(now_m > kMinWallsApart_m)) return {};
-  const Lag clock = s.lag.best_clock(), sweep = s.lag.best_sweep();
-  const double clock_m = s.lag.apart_m(clock), sweep_m = s.lag.apart_m(sweep);
+  Lag backwards;
+  backwards.times = -1;
+  backwards = s.lag.best_clock(backwards, &Lag::late_s, kMaxLate_s);
+  const Lag clock = s.lag.best_clock({}, &Lag::late_s, kMaxLate_s), sweep = s.lag.best_sweep(),
+            growth = s.lag.best_clock({}, &Lag::grown_s, kMaxGrown_s);
+  const double clock_m = s.lag.apart_m(clock), sweep_m = s.lag.apart_m(sweep),
+               growth_m = s.lag.apart_m(growth), backwards_m = s.lag.apart_m(backwards);
   const std::string seen =
       "walls that are seen in different turns lie " + metres(now_m) + " apart, and ";
   if (!s.is_deskewed && sweep_m < kSweepFits * std::min(now_m, clock_m))
@@ -33,6 +38,18 @@ std::optional<Hint> wrong_times_of(const SensorFigures& s)
                                " where each point has its own time: record the times of the "
                                "points (talus-map deskews scans that have them), or turn slower"};
   }
+  if (s.is_deskewed && backwards_m < kSweepFits * std::min({now_m, clock_m, growth_m}))
+    return Hint{
+        Kind::NotDeskewed,
+        "the times of the points run backwards: " + seen + metres(backwards_m) +
+            " where the last point of a scan is its first: mend them in the driver of the scanner"};
+  if (growth_m < kClockFits * now_m && growth_m < kGrowthFits * clock_m)
+    return Hint{
+        Kind::LateClock, "the clock of the scans runs " +
+                             fixed_text(100 * std::abs(growth.grown_s) / s.lag.duration_s(), 1) +
+                             " % " + (growth.grown_s > 0 ? "fast" : "slow") +
+                             " against that of the poses: " + seen + metres(growth_m) +
+                             " without it: record both by one clock"};
   if (clock_m > kClockFits * now_m || std::abs(clock.late_s) < kMinLate_s) return {};
   return Hint{
       Kind::LateClock, "the clock of the scans is " + fixed_text(std::abs(clock.late_s), 2) +
@@ -81,13 +98,16 @@ std::optional<Hint> wrong_axes(const Figures& f)
                                " if " + fit->change +
                                ": check the columns, the unit and the frame of the trajectory, "
                                "and the yaw of sensorPose (--mount)"};
-    if (const auto motions = s.axes.better_motions())
+    const auto motions = s.axes.better_motions();
+    if (auto times = motions ? wrong_times_of(s) : std::nullopt) return times;
+    if (motions)
       return Hint{
-          Kind::WrongAxes,
-          "walls lie " + metres(motions->given_m) +
-              " apart from frame to frame by the poses, and " + metres(motions->best_m) +
-              " where the frames are laid upon each other: are these the poses of this log, by the "
-              "clock of its scans? Pass those (--trajectory)"};
+          Kind::WrongAxes, "walls lie " + metres(motions->given_m) +
+                               " apart from frame to frame by the poses, and " +
+                               metres(motions->best_m) +
+                               " where the frames are laid upon each other: are these the poses of "
+                               "this log, in metres, "
+                               "by the clock of its scans? Pass those (--trajectory)"};
   }
   return {};
 }
@@ -129,7 +149,11 @@ std::optional<Hint> level_poses(const Figures& f)
     return Hint{
         Kind::LevelPoses, "the path climbs and falls by " + fixed_text(slope_rad * 180 / M_PI, 0) +
                               " degrees (root mean square), and the poses lean by " +
-                              fixed_text(100 * w.pose_share(), 0) + " % of that" + mend};
+                              fixed_text(100 * w.pose_share(), 0) + " % of that" +
+                              (w.pose_share() > -kLevelPoses
+                                   ? mend
+                                   : ": x or the pitch of the poses is mirrored: check the axes of "
+                                     "the trajectory")};
   const bool is_flat = w.climb_m() < kFlat_m && w.most_lean_rad() < kFlat_deg * M_PI / 180;
   if (is_flat && contradiction(f))
     return Hint{

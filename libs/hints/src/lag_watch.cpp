@@ -13,7 +13,7 @@ constexpr std::size_t kMaxStops = 100000;
 constexpr std::size_t kMaxTurningFrames = 12, kMaxTurnFrames = 4, kMaxCalmFrames = 6;  // frames
 constexpr std::size_t kPartners = 3;  // of each frame
 constexpr double kPartnerReach_m = 4, kPartnerTime_s = 20;
-constexpr double kMaxLate_s = 0.4, kLateStep_s = 0.1;
+constexpr double kLateStep_s = 0.1;
 constexpr double kGap_s = 0.5;  // of a turn rate
 
 double wrapped(double angle) { return std::remainder(angle, 2 * M_PI); }
@@ -80,12 +80,15 @@ std::vector<WallLine> LagWatch::lines_of(const Kept& kept, const Lag& lag) const
 {
   std::vector<WallLine> lines;
   lines.reserve(kept.facets.size());
+  const double late_s =
+      lag.late_s + lag.grown_s * (kept.stamp_s - path_.front().stamp_s) / duration_s();
   for (const Facet& f : kept.facets)
   {
     const double turn =
         lag.sweep_s < 0 ? lag.first_rad - f.bearing_rad : f.bearing_rad - lag.first_rad;
     const double share = turn / (2 * M_PI) - std::floor(turn / (2 * M_PI));
-    const Stop at = place_at(kept.stamp_s - lag.late_s + f.time_s + share * std::abs(lag.sweep_s));
+    const double time_s = lag.times * f.time_s + share * std::abs(lag.sweep_s);
+    const Stop at = place_at(kept.stamp_s - late_s + time_s);
     lines.push_back(wall_line(f, at.x_m, at.y_m, at.heading_rad));
   }
   return lines;
@@ -123,7 +126,7 @@ double LagWatch::apart_m(const Lag& lag) const
   return apart.mean_m();
 }
 
-Lag LagWatch::refined(Lag lag, double step_s) const
+Lag LagWatch::refined(Lag lag, double Lag::*changed, double step_s) const
 {
   for (double step = step_s / 2; step > 0.004; step /= 2)
   {
@@ -131,7 +134,7 @@ Lag LagWatch::refined(Lag lag, double step_s) const
     for (const double change : {-step, step})
     {
       Lag tried = lag;
-      tried.late_s += change;
+      tried.*changed += change;
       if (apart_m(tried) < apart_m(best)) best = tried;
     }
     lag = best;
@@ -139,12 +142,12 @@ Lag LagWatch::refined(Lag lag, double step_s) const
   return lag;
 }
 
-Lag LagWatch::best_clock() const
+Lag LagWatch::best_clock(const Lag& from, double Lag::*changed, double max_s) const
 {
-  Lag best;
-  for (double late_s = -kMaxLate_s; late_s <= kMaxLate_s + 1e-9; late_s += kLateStep_s)
-    if (apart_m({late_s}) < apart_m(best)) best = {late_s};
-  return refined(best, kLateStep_s);
+  Lag best = from, tried = from;
+  for (tried.*changed = -max_s; tried.*changed <= max_s + 1e-9; tried.*changed += kLateStep_s)
+    if (apart_m(tried) < apart_m(best)) best = tried;
+  return refined(best, changed, kLateStep_s);
 }
 
 Lag LagWatch::best_sweep() const
@@ -156,7 +159,7 @@ Lag LagWatch::best_sweep() const
         if (const Lag lag{late * std::abs(sweep_s), sweep_s, first_rad};
             apart_m(lag) < apart_m(best))
           best = lag;
-  return refined(best, 0.05);
+  return refined(best, &Lag::late_s, 0.05);
 }
 
 }  // namespace talus::hints

@@ -12,6 +12,8 @@ struct Lag
   double late_s = 0;  //!< the stamp is later than the first point
   double sweep_s = 0;  //!< from the first point to the last; negative: turns clockwise; 0: at once
   double first_rad = 0;  //!< direction of the first point
+  double grown_s = 0;  //!< later by so much more at the last frame kept than at the first pose
+  double times = 1;  //!< of the points; -1: they run backwards
 };
 
 /** Looks for scans whose times are wrong while the robot turns: walls that frames see while it
@@ -30,8 +32,10 @@ class LagWatch
   /** How far walls lie apart if the scans lag by so much: mean of what counts [m]. NaN: there is
    * nothing to compare. */
   double apart_m(const Lag& lag) const;
-  /** The lag of one clock that brings walls together best. */
-  Lag best_clock() const;
+  /** That which brings walls together best, of those that differ from this one by `changed` [s]. */
+  Lag best_clock(const Lag& from, double Lag::*changed, double max_s) const;
+  /** From the first pose to the last frame that was kept. */
+  double duration_s() const { return kept_.back().stamp_s - path_.front().stamp_s; }
   /** The same of sweeps. */
   Lag best_sweep() const;
 
@@ -49,7 +53,7 @@ class LagWatch
   Stop place_at(double stamp_s) const;
   std::vector<WallLine> lines_of(const Kept& kept, const Lag& lag) const;
   std::vector<std::size_t> partners_of(std::size_t kept) const;
-  Lag refined(Lag lag, double step_s) const;
+  Lag refined(Lag lag, double Lag::*changed, double step_s) const;
 
   std::vector<Stop> path_;
   std::vector<Kept> kept_;

@@ -74,6 +74,8 @@ constexpr double kMinWallsApart_m = 0.04;  // mean: sound drives up to 0.02
 constexpr double kSweepFits = 0.6, kClockFits = 0.5;  // of that distance, with the lag taken off
 constexpr double kMinSkew_deg = 4;  // turned during a sweep
 constexpr double kMinLate_s = 0.03;
+constexpr double kMaxLate_s = 0.4, kMaxGrown_s = 3;  // that is looked for
+constexpr double kGrowthFits = 0.7;  // of the distance with one lag for all
 /// @}
 
 /// @name Axes of the poses, by directions of travel and by walls
