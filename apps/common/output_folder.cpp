@@ -160,6 +160,13 @@ OutputFolder::~OutputFolder()
   remove_made_folders();
 }
 
+void OutputFolder::make_sure_it_exists()
+{
+  if (fs::exists(hidden_->path())) return;
+  fs::create_directories(folder_);
+  hidden_ = std::make_unique<io::HiddenFolder>(folder_, kRunPrefix);
+}
+
 void OutputFolder::remove_made_folders() noexcept
 {
   std::error_code has_files;

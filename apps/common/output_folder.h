@@ -27,6 +27,9 @@ class OutputFolder
   /** Where to write. */
   std::string staging() const { return hidden_->path().string(); }
 
+  /** After a long time: somebody may have removed it. Then staging() is another one. */
+  void make_sure_it_exists();
+
   /** What an error says of a file in staging(), by the name that the user knows. */
   std::string shown(std::string error) const;
 

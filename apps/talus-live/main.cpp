@@ -354,7 +354,7 @@ bool Live::finish()
   {
     drop_record(e.what());
   }
-  std::filesystem::create_directories(output_.staging());  // somebody may have removed it
+  output_.make_sure_it_exists();
   map_->finish(output_.staging());
   output_.commit(kSeal);
   tell(
