@@ -72,7 +72,7 @@ bool LivePage::is_busy()
 void LivePage::update(DriveMap& map)
 {
   const auto begin = Clock::now();
-  const bool is_new = map.frames() != frames_ || site_ != &map.site();
+  const bool is_new = map.frames() != frames_ || site_ != &map.site() || is_behind_;
   if (map.frames() == 0 || (!is_new && waiting_.empty()) || begin < next_ || is_busy()) return;
   frames_ = map.frames();
   Work work;
@@ -272,7 +272,9 @@ void LivePage::show(const Work& work)
 {
   if (work.begins_anew) server_.forget();
   const auto now = Clock::now();
-  if (work.is_new && (server_.listeners() > 0 || now - shown_ >= std::chrono::seconds(1)))
+  const bool is_due = server_.listeners() > 0 || now - shown_ >= std::chrono::seconds(1);
+  is_behind_ = work.is_new && !is_due;
+  if (work.is_new && is_due)
   {
     shown_ = now;
     constexpr int kEdge = 1;  // whose light is not known

@@ -2,6 +2,7 @@
 #include "drive_map.h"
 #include "page_server.h"
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -72,6 +73,7 @@ class LivePage
   const site::Site* site_ = nullptr;  //!< of which is shown
   std::optional<int> floor_;
   std::size_t frames_ = 0;
+  std::atomic<bool> is_behind_{false};  //!< the newest window was not shown
   bool is_reached_ = false;  //!< some cell: else reaching tells nothing
   std::uint64_t changes_ = 0;  //!< of tiles, that were looked at
   std::deque<site::TileKey> waiting_;

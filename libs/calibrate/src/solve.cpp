@@ -2,10 +2,8 @@
 
 #include <ceres/ceres.h>
 
-#include <algorithm>
 #include <memory>
 #include <stdexcept>
-#include <thread>
 
 namespace talus::calibrate
 {
@@ -126,7 +124,7 @@ ceres::Solver::Options solver_options(Association& a, Vector& v)
   o.linear_solver_ordering->AddElementToGroup(v.data(), 1);
   o.max_num_iterations = kMaxIterations;
   o.function_tolerance = 1e-7;
-  o.num_threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 8u));
+  o.num_threads = 1;  // several add up in any order, which changes a fit that is hardly observable
   o.logging_type = ceres::SILENT;
   return o;
 }

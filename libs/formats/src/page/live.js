@@ -63,7 +63,7 @@
       widen(tile);
       show_latest();
       latest_layer.addTo(map);
-      if (is_first) map.fitBounds(latest_layer.getBounds());
+      if (is_first) map.fitBounds(latest_layer.getBounds(), {animate: false});
       else if (map.hasLayer(follow)) map.panTo(place, {animate: false});
       is_first = false;
       document.body.dataset.live = now.frames;
