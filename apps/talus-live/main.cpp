@@ -104,7 +104,7 @@ class Live
   std::optional<int> saving_;  //!< the child that does
   double published_s_ = 0, saved_s_ = now_s();
   std::size_t published_frames_ = 0;
-  bool is_rest_due_ = false;  //!< beside the window that was published
+  std::optional<io::LayerStack> shown_;  //!< a window beside which the rest is due
   std::size_t told_scans_ = 0, told_late_ = 0, told_dropped_ = 0, told_missing_ = 0, told_lost_ = 0;
 };
 
@@ -244,8 +244,7 @@ void Live::publish_window()
   if (map_->frames() == published_frames_ || std::abs(now - published_s_) < 1 / options_.hz) return;
   published_s_ = now;
   published_frames_ = map_->frames();
-  publisher_->publish_window(*map_, stream_.map_frame());
-  is_rest_due_ = true;
+  shown_ = publisher_->publish_window(*map_, stream_.map_frame());
 }
 
 void Live::publish()
@@ -253,7 +252,8 @@ void Live::publish()
   if (page_) page_->update(*map_);
   if (!publisher_) return;
   publish_window();
-  if (std::exchange(is_rest_due_, false)) publisher_->publish_rest(*map_, stream_.map_frame());
+  if (const auto window = std::exchange(shown_, std::nullopt))
+    publisher_->publish_rest(*map_, *window, stream_.map_frame());
 }
 
 /** In a child: the map goes on meanwhile. */

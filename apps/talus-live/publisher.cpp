@@ -57,18 +57,18 @@ io::LayerStack Publisher::window_of(const DriveMap& map) const
   return stack;
 }
 
-void Publisher::publish_window(const DriveMap& map, const std::string& frame)
+io::LayerStack Publisher::publish_window(const DriveMap& map, const std::string& frame)
 {
-  const io::LayerStack window = window_of(map);
+  io::LayerStack window = window_of(map);
   const live::Grid grid{window.cells_x, window.cells_y, window.resolution_m,
                         window.min_x_m, window.min_y_m, formats::ros_cells(window, kOccupancy)};
   window_.write(live::grid_message({map.stamp_s(), frame}, grid));
+  return window;
 }
 
-void Publisher::publish_rest(DriveMap& map, const std::string& frame)
+void Publisher::publish_rest(DriveMap& map, const io::LayerStack& window, const std::string& frame)
 {
   const live::Header header{map.stamp_s(), frame};
-  const io::LayerStack window = window_of(map);
   if (obstacles_.subscribers() > 0)
   {
     mrpt::maps::CSimplePointsMap points;

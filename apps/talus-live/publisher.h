@@ -17,10 +17,10 @@ class Publisher
   /** `layers`: of /talus/grid_map; none: it is not published. */
   Publisher(live::Participant& network, std::vector<std::string> layers);
 
-  /** Of the map after its newest frame, whose poses are in `frame`. */
-  void publish_window(const DriveMap& map, const std::string& frame);
-  /** The same of all else. */
-  void publish_rest(DriveMap& map, const std::string& frame);
+  /** Of the map after its newest frame, whose poses are in `frame`. The window as it is shown. */
+  io::LayerStack publish_window(const DriveMap& map, const std::string& frame);
+  /** The same of all else, with that window. */
+  void publish_rest(DriveMap& map, const io::LayerStack& window, const std::string& frame);
 
   /** From now on the map is another one, with this occupancy, made at these poses. */
   void begin_anew(WholeGrid whole, const std::vector<io::Trajectory::Entry>& poses);

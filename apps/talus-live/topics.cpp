@@ -26,26 +26,31 @@ bool Topics::is_wanted(const live::Offer& offer) const
 {
   if (offer.topic == path_) return import::is_path(offer.type);
   if (!import::ScanStream::reads(offer.topic, offer.type) || is_of_other_robot(offer)) return false;
-  if (!robot_ && !is_settled_) return false;
+  if (!is_settled()) return false;
   if (!import::ScanStream::is_cloud(offer.type) || wanted_.empty()) return true;
   return std::find(wanted_.begin(), wanted_.end(), offer.topic) != wanted_.end();
+}
+
+/** Which robot is mapped is known, or that none has TF of its own. */
+bool Topics::is_settled() const
+{
+  constexpr int kSettle_looks = 5;  // within which all are known
+  return robot_ || looks_ > kSettle_looks;
 }
 
 /** Several robots tell the same frames, each on topics of its own with TF: one of them is heard, as
  * a node of ROS hears one. */
 void Topics::choose_robot()
 {
-  constexpr int kSettle_looks = 5;  // within which all are known
   if (!offers_.empty()) ++looks_;
   for (const auto& offer : offers_)
     if (is_tf(offer)) robots_.insert(space_of(offer.topic));
-  is_settled_ = robot_ || looks_ > kSettle_looks;
   if (robot_ || robots_.empty()) return;
   for (const auto& robot : robots_)
     for (const auto& topic : wanted_)
       if (!robot.empty() && is_in_space(topic, robot)) robot_ = robot;
   const bool is_usual = wanted_.empty() && robots_.begin()->empty();
-  if (!robot_ && (is_settled_ || is_usual)) robot_ = *robots_.begin();
+  if (!robot_ && (is_settled() || is_usual)) robot_ = *robots_.begin();
 }
 
 bool Topics::is_of_other_robot(const live::Offer& offer) const
@@ -72,7 +77,7 @@ std::vector<std::string> Topics::look(const import::ScanStream& stream)
     const bool is_cloud = import::ScanStream::is_cloud(offer.type);
     if (!is_wanted(offer))
     {
-      if (!robot_ && !is_settled_) continue;
+      if (!is_settled()) continue;
       if (offer.topic == path_) say(path_ + " is left out: it is " + offer.type + ", no Path");
       if (is_of_other_robot(offer) && (is_cloud || is_tf(offer)))
         say(offer.topic + " is left out: the robot of " + *robot_ +

@@ -44,6 +44,7 @@ class Topics
     bool is_cloud = false, is_path = false;
   };
   void choose_robot();
+  bool is_settled() const;
   bool is_of_other_robot(const live::Offer& offer) const;
   bool is_wanted(const live::Offer& offer) const;
   void take_into(import::ScanStream& stream, Heard& heard, double now_s);
@@ -57,7 +58,6 @@ class Topics
   std::set<std::string> robots_;  //!< that have TF of their own, by their namespaces
   std::optional<std::string> robot_;  //!< that is mapped, once that is known
   int looks_ = 0;
-  bool is_settled_ = false;  //!< it looked often enough to know what there is
   std::size_t max_bytes_ = 0;
 };
 
